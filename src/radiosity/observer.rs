@@ -1,0 +1,62 @@
+/// A step of a [`bake`](super::bake), in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Stage {
+    /// Long edges are split; surfaces are cut and merged into elements.
+    Mesh,
+    /// The ray-tracing hierarchy over the input triangles is built.
+    Occlusion,
+    /// Rays from every element find the rows of the form-factor matrix.
+    FormFactors,
+    /// Lights and emitters are sampled from every element.
+    Direct,
+    /// The radiosity system is solved.
+    Solve,
+    /// Irradiance is gathered inside the mesh's triangles.
+    Gather,
+    /// Vertex values are fitted to the gathered irradiance.
+    Fit,
+}
+
+impl Stage {
+    /// All stages, in the order they run.
+    pub const ALL: [Self; 7] = [
+        Self::Mesh,
+        Self::Occlusion,
+        Self::FormFactors,
+        Self::Direct,
+        Self::Solve,
+        Self::Gather,
+        Self::Fit,
+    ];
+
+    /// A short name for people.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Mesh => "mesh",
+            Self::Occlusion => "occlusion",
+            Self::FormFactors => "form factors",
+            Self::Direct => "direct light",
+            Self::Solve => "solve",
+            Self::Gather => "gather",
+            Self::Fit => "fit vertices",
+        }
+    }
+}
+
+/// Watches a [`bake`](super::bake) and can stop it.
+///
+/// Called from several threads at once. `()` watches nothing and never stops.
+pub trait Observer: Sync {
+    /// `done`, 0..=1, of `stage` is finished. Called at least with 0 and with 1 for each stage.
+    fn progress(&self, stage: Stage, done: f32) {
+        let _ = (stage, done);
+    }
+
+    /// Asked often (every few milliseconds); `true` ends the bake with
+    /// [`BakeError::Cancelled`](super::BakeError::Cancelled).
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+impl Observer for () {}

@@ -1,0 +1,97 @@
+use std::time::Duration;
+
+use glam::DVec3;
+
+use super::observer::Stage;
+
+/// What a bake did, what it cost and how good the result is.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// Wall time of each stage, in the order they ran.
+    pub stages: Vec<(Stage, Duration)>,
+    /// How much of everything there was.
+    pub counts: Counts,
+    /// Peak bytes held by the bake's own tables (hit lists, samples, hierarchy, mesh), estimated.
+    pub bytes: u64,
+    /// Where the light went.
+    pub energy: EnergyBalance,
+    /// How the linear system was solved.
+    pub solver: SolverReport,
+    /// Sampling error of the vertex light, relative RMS, estimated from two half-sets of samples
+    /// fitted separately.
+    pub sampling_error: f32,
+    /// Area-weighted mean of the stored light (irradiance / π), luminance in cd/m².
+    pub mean_light: f32,
+    /// What was mended, skipped or looks wrong, one sentence each, with the name of the thing.
+    pub notes: Vec<String>,
+}
+
+/// How much of everything a bake had.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Objects that receive light.
+    pub objects: u64,
+    /// Input triangles that block light.
+    pub triangles: u64,
+    /// Vertices of the result.
+    pub vertices: u64,
+    /// Radiosity elements.
+    pub elements: u64,
+    /// Emissive triangles.
+    pub emitters: u64,
+    /// Point, spot and directional lights.
+    pub lights: u64,
+    /// Closest-hit rays (form factors and gather).
+    pub rays: u64,
+    /// Shadow rays to lights and emitters.
+    pub shadow_rays: u64,
+    /// Samples inside triangles that vertex values were fitted to.
+    pub samples: u64,
+    /// Samples left out because they lie inside geometry.
+    pub invalid_samples: u64,
+    /// Vertices without a valid sample, filled from their neighbours along the mesh.
+    pub filled_vertices: u64,
+    /// Vertices with no valid sample anywhere on their piece of mesh, left black.
+    pub dark_vertices: u64,
+}
+
+/// Where the light went, RGB, in units of radiance × area (cd).
+///
+/// For a converged bake `arrived = absorbed + escaped` within the solver's tolerance. `arrived` is
+/// light where it first meets a surface (sun and sky have no finite total).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyBalance {
+    /// Direct light on all elements: Σ A H_direct.
+    pub arrived: DVec3,
+    /// Taken up by the surfaces: Σ A (1 − ρ) H.
+    pub absorbed: DVec3,
+    /// Left through openings, or met a black back face, after a bounce: Σ A ρ H (1 − rowsum).
+    pub escaped: DVec3,
+}
+
+impl EnergyBalance {
+    /// |arrived − absorbed − escaped| / arrived, the worst channel; 0 for a dark scene.
+    pub fn relative_error(&self) -> f64 {
+        let gap = (self.arrived - self.absorbed - self.escaped).abs();
+        let scale = self.arrived.max_element();
+        if scale > 0.0 {
+            gap.max_element() / scale
+        } else {
+            0.0
+        }
+    }
+}
+
+/// How the linear system was solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolverReport {
+    /// Gauss–Seidel sweeps.
+    pub sweeps: u32,
+    /// Whether the tolerance was met.
+    pub converged: bool,
+    /// Largest |E + ρFB − B| of any element and channel, in cd/m².
+    pub residual: f64,
+    /// Bound on the error that stopping early leaves in any element: residual / (1 − max ρ·rowsum),
+    /// in cd/m².
+    pub error_bound: f64,
+}
