@@ -1,12 +1,61 @@
-//! Radiosity.
+//! Radiosity: the diffuse light of a scene, solved and written to vertices.
+//!
+//! ```text
+//!   B = E + ρ Σ_j F_ij B_j        (Goral, Torrance, Greenberg and Battaile 1984)
+//! ```
+//!
+//! The radiosity `B` of a surface element is what it emits, `E`, and what it reflects of the light
+//! arriving from all others, weighted by the form factors `F`. Emission is known, so it is not
+//! left for form factors to find: emitters are sampled, and the system is solved for the
+//! reflected light `R`,
+//!
+//! ```text
+//!   ┌───────────────────────────────┐
+//!   │  R = ρ (H_direct + F R)       │     H = H_direct + F R arrives
+//!   └───────────────────────────────┘
+//! ```
+//!
+//! All quantities are radiances (divided by π): `H` is irradiance / π, `R` is radiosity / π.
+//!
+//! The rooms, in the order a [`bake`] passes them:
+//!
+//! | file | what happens |
+//! |---|---|
+//! | `scene`, `light`, `validate` | what goes in, checked once |
+//! | `surface`, `texture` | reflectance, emission and transparency of any point |
+//! | `receiver_mesh` | the meshes that carry light, split and welded |
+//! | `element` | the pieces of surface the system is solved on |
+//! | `occlusion` | rays against the input triangles |
+//! | `emitter`, `direct` | light that arrives without a bounce |
+//! | `form_factor` | rows of `F` as lists of ray hits |
+//! | `solve` | Gauss–Seidel with a mean-field correction |
+//! | `gather`, `fit` | irradiance inside triangles, fitted by vertex values |
+//! | `bake` | all of it, in one function |
 
+mod bake;
 mod baked;
+mod bvh;
+mod direct;
+mod element;
+mod emitter;
+mod fit;
+mod form_factor;
+mod gather;
 mod light;
 mod observer;
+mod occlusion;
+mod parallel;
+mod receiver_mesh;
 mod report;
+mod sampling;
 mod scene;
 mod settings;
+mod solve;
+mod surface;
+mod texture;
+mod validate;
 
+pub use bake::{BakeError, bake};
 pub use baked::{Bake, ObjectLight};
 pub use light::{Light, LightKind};
 pub use observer::{Observer, Stage};
@@ -14,4 +63,5 @@ pub use report::{Counts, EnergyBalance, Report, SolverReport};
 pub use scene::{
     AlphaMode, Material, MaterialId, Object, ObjectId, Scene, Texture, TextureId, TextureRef, Wrap,
 };
-pub use settings::{BakeSettings, DirectLight};
+pub use settings::{BakeSettings, DirectLight, InvalidSetting};
+pub use validate::{SceneError, ValidScene};

@@ -1,0 +1,318 @@
+use std::time::Duration;
+
+use glam::{Vec3, Vec3A, Vec4};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::triangle::Triangle;
+
+/// Triangles in a hierarchy of boxes, four children a node, four triangles a leaf.
+///
+/// The tree is built by `obvhs` (PLOC with parallel reinsertion) and collapsed to four children,
+/// so that boxes and triangles are tested four at a time in the lanes of a `Vec4`. This is the
+/// only file that knows the library.
+pub(crate) struct Bvh {
+    nodes: Vec<Node>,
+    leaves: Vec<Leaf>,
+}
+
+/// Boxes of four children: lanes are children, rows `min x, min y, min z, max x, max y, max z`.
+struct Node {
+    bounds: [Vec4; 6],
+    children: [Child; 4],
+}
+
+/// Up to four triangles; unused lanes repeat the first.
+struct Leaf {
+    /// `corners[corner][axis]`, lanes are triangles.
+    corners: [[Vec4; 3]; 3],
+    triangles: [u32; 4],
+}
+
+/// Index of a node, or of a leaf with the top bit set.
+#[derive(Clone, Copy)]
+struct Child(u32);
+
+const LEAF: u32 = 1 << 31;
+const EMPTY: Child = Child(u32::MAX);
+
+/// A triangle that a ray meets.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    pub(crate) triangle: u32,
+    pub(crate) distance: f32,
+    /// Weights of the second and third corner.
+    pub(crate) uv: [f32; 2],
+    /// The ray meets the side that the winding does not face.
+    pub(crate) back: bool,
+}
+
+/// Entries of a traversal's stack; deeper trees continue on a second one.
+const STACK: usize = 64;
+
+/// Grows a box's far distance by the rounding of the slab test (Ize 2013, "Robust BVH Ray
+/// Traversal", JCGT 2(2): 1 + 2γ₃), so that no ray slips past a box its triangle touches.
+const ROBUST: f32 = 1.0 + 2.0 * 3.0 * f32::EPSILON;
+
+impl Bvh {
+    pub(crate) fn new(corners: &[[Vec3; 3]]) -> Self {
+        let triangles: Vec<Triangle> = corners
+            .iter()
+            .map(|&[a, b, c]| Triangle {
+                v0: a.into(),
+                v1: b.into(),
+                v2: c.into(),
+            })
+            .collect();
+        let params = BvhBuildParams {
+            max_prims_per_leaf: 4,
+            collapse_traversal_cost: 1.0,
+            ..BvhBuildParams::very_slow_build()
+        };
+        let binary = build_bvh2(&triangles, params, &mut Duration::default());
+        let mut bvh = Self {
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+        };
+        if !binary.nodes.is_empty() {
+            bvh.collapse(&binary, corners, 0);
+        }
+        bvh
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        (self.nodes.len() * size_of::<Node>() + self.leaves.len() * size_of::<Leaf>()) as u64
+    }
+
+    /// Makes a node of up to four descendants of a binary node, opening the largest first.
+    fn collapse(&mut self, binary: &Bvh2, corners: &[[Vec3; 3]], root: u32) -> u32 {
+        let mut members = vec![root];
+        while members.len() < 4 {
+            let area = |&i: &u32| binary.nodes[i as usize].aabb().half_area();
+            let widest = (0..members.len())
+                .filter(|&k| !binary.nodes[members[k] as usize].is_leaf())
+                .max_by(|&a, &b| area(&members[a]).total_cmp(&area(&members[b])));
+            let Some(widest) = widest else { break };
+            let first = binary.nodes[members[widest] as usize].first_index;
+            members[widest] = first;
+            members.push(first + 1);
+        }
+        let index = self.nodes.len();
+        self.nodes.push(Node::empty());
+        for (lane, &member) in members.iter().enumerate() {
+            let node = &binary.nodes[member as usize];
+            let child = if node.is_leaf() {
+                let range =
+                    node.first_index as usize..(node.first_index + node.prim_count) as usize;
+                self.leaves
+                    .push(Leaf::new(&binary.primitive_indices[range], corners));
+                Child((self.leaves.len() - 1) as u32 | LEAF)
+            } else {
+                Child(self.collapse(binary, corners, member))
+            };
+            self.nodes[index].set(lane, node.aabb(), child);
+        }
+        index as u32
+    }
+
+    /// Calls `visit` for triangles that the ray meets nearer than `limit`, nearer ones mostly first.
+    ///
+    /// `visit` returns the new limit; 0 ends the search.
+    pub(crate) fn traverse(&self, ray: &Ray, limit: f32, mut visit: impl FnMut(Crossing) -> f32) {
+        if !self.nodes.is_empty() {
+            self.traverse_from(ray, Child(0), limit, &mut visit);
+        }
+    }
+
+    fn traverse_from(
+        &self,
+        ray: &Ray,
+        start: Child,
+        mut limit: f32,
+        visit: &mut impl FnMut(Crossing) -> f32,
+    ) -> f32 {
+        let mut stack = [(EMPTY, 0.0_f32); STACK];
+        stack[0].0 = start;
+        let mut height = 1;
+        while height > 0 {
+            height -= 1;
+            let (child, near) = stack[height];
+            if near >= limit {
+                continue;
+            }
+            if child.0 & LEAF != 0 {
+                limit = self.leaves[(child.0 & !LEAF) as usize].visit(ray, limit, visit);
+                continue;
+            }
+            let node = &self.nodes[child.0 as usize];
+            let (near, mut hits) = node.intersect(ray, limit);
+            let near = near.to_array();
+            let bottom = height;
+            while hits != 0 {
+                let lane = (hits.trailing_zeros() & 3) as usize;
+                hits &= hits - 1;
+                if height >= STACK {
+                    limit = self.traverse_from(ray, node.children[lane], limit, visit);
+                    continue;
+                }
+                // Farthest at the bottom, so that the nearest is taken next.
+                let mut slot = height;
+                while slot > bottom && stack[slot - 1].1 < near[lane] {
+                    stack[slot] = stack[slot - 1];
+                    slot -= 1;
+                }
+                stack[slot] = (node.children[lane], near[lane]);
+                height += 1;
+            }
+        }
+        limit
+    }
+}
+
+impl Node {
+    /// Boxes that no ray meets.
+    fn empty() -> Self {
+        let (low, high) = (Vec4::splat(f32::MAX), Vec4::splat(f32::MIN));
+        Self {
+            bounds: [low, low, low, high, high, high],
+            children: [EMPTY; 4],
+        }
+    }
+
+    fn set(&mut self, lane: usize, aabb: &Aabb, child: Child) {
+        for axis in 0..3 {
+            self.bounds[axis][lane] = aabb.min[axis];
+            self.bounds[axis + 3][lane] = aabb.max[axis];
+        }
+        self.children[lane] = child;
+    }
+
+    /// Where the ray enters each box, and which boxes it meets, as bits.
+    #[inline]
+    fn intersect(&self, ray: &Ray, limit: f32) -> (Vec4, u32) {
+        let mut near = Vec4::ZERO;
+        let mut far = Vec4::splat(limit);
+        for axis in 0..3 {
+            let [entry, exit] = ray.slabs[axis];
+            near = near.max((self.bounds[entry] - ray.origin4[axis]) * ray.inverse4[axis]);
+            far = far.min((self.bounds[exit] - ray.origin4[axis]) * ray.inverse4[axis] * ROBUST);
+        }
+        (near, near.cmple(far).bitmask())
+    }
+}
+
+impl Leaf {
+    fn new(triangles: &[u32], corners: &[[Vec3; 3]]) -> Self {
+        let lanes: [u32; 4] =
+            std::array::from_fn(|lane| *triangles.get(lane).unwrap_or(&triangles[0]));
+        Self {
+            corners: std::array::from_fn(|corner| {
+                std::array::from_fn(|axis| {
+                    Vec4::from_array(lanes.map(|t| corners[t as usize][corner][axis]))
+                })
+            }),
+            triangles: lanes,
+        }
+    }
+
+    /// The watertight test of Woop, Benthin and Wald 2013 ("Watertight Ray/Triangle Intersection",
+    /// JCGT 2(1)): space is sheared so that the ray runs along +Z, where an edge shared by two
+    /// triangles gives both the same edge function, so no ray passes between them.
+    #[inline]
+    fn visit(&self, ray: &Ray, mut limit: f32, visit: &mut impl FnMut(Crossing) -> f32) -> f32 {
+        let [kx, ky, kz] = ray.axes;
+        let mut x = [Vec4::ZERO; 3];
+        let mut y = [Vec4::ZERO; 3];
+        let mut z = [Vec4::ZERO; 3];
+        for k in 0..3 {
+            z[k] = self.corners[k][kz] - ray.origin4[kz];
+            x[k] = self.corners[k][kx] - ray.origin4[kx] - z[k] * ray.shear.x;
+            y[k] = self.corners[k][ky] - ray.origin4[ky] - z[k] * ray.shear.y;
+        }
+        let mut u = x[2] * y[1] - y[2] * x[1];
+        let mut v = x[0] * y[2] - y[0] * x[2];
+        let mut w = x[1] * y[0] - y[1] * x[0];
+        let on_edge = u.cmpeq(Vec4::ZERO) | v.cmpeq(Vec4::ZERO) | w.cmpeq(Vec4::ZERO);
+        if on_edge.any() {
+            // On an edge the products must be exact to agree in sign from both sides.
+            u = exact_cross(x[2], y[1], y[2], x[1]);
+            v = exact_cross(x[0], y[2], y[0], x[2]);
+            w = exact_cross(x[1], y[0], y[1], x[0]);
+        }
+        let lowest = u.min(v).min(w);
+        let highest = u.max(v).max(w);
+        let inside = lowest.cmpge(Vec4::ZERO) | highest.cmple(Vec4::ZERO);
+        let det = u + v + w;
+        let inverse = Vec4::ONE / det;
+        let distance = (u * z[0] + v * z[1] + w * z[2]) * inverse * ray.shear.z;
+        let meets = inside & distance.cmpgt(Vec4::ZERO) & distance.cmplt(Vec4::splat(limit));
+        let mut hits = meets.bitmask();
+        if hits == 0 {
+            return limit;
+        }
+        let (distance, det) = (distance.to_array(), det.to_array());
+        let (v, w) = ((v * inverse).to_array(), (w * inverse).to_array());
+        while hits != 0 {
+            let lane = (hits.trailing_zeros() & 3) as usize;
+            hits &= hits - 1;
+            if distance[lane] < limit {
+                limit = visit(Crossing {
+                    triangle: self.triangles[lane],
+                    distance: distance[lane],
+                    uv: [v[lane], w[lane]],
+                    back: det[lane] < 0.0,
+                });
+            }
+        }
+        limit
+    }
+}
+
+/// `a b − c d` rounded once.
+#[cold]
+fn exact_cross(a: Vec4, b: Vec4, c: Vec4, d: Vec4) -> Vec4 {
+    (a.as_dvec4() * b.as_dvec4() - c.as_dvec4() * d.as_dvec4()).as_vec4()
+}
+
+/// A ray prepared for boxes and triangles.
+pub(crate) struct Ray {
+    origin4: [Vec4; 3],
+    inverse4: [Vec4; 3],
+    /// Rows of [`Node::bounds`] where the ray enters and leaves, by axis.
+    slabs: [[usize; 2]; 3],
+    axes: [usize; 3],
+    shear: Vec3A,
+}
+
+impl Ray {
+    /// `direction` has unit length: distances are counted in it.
+    pub(crate) fn new(origin: Vec3, direction: Vec3) -> Self {
+        let z = direction.abs().max_position();
+        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
+        if direction[z] < 0.0 {
+            std::mem::swap(&mut x, &mut y);
+        }
+        // A finite stand-in for 1/0 keeps 0 × ∞ out of the slab test.
+        let inverse = direction.to_array().map(|d| {
+            1.0 / if d.abs() < 1e-20 {
+                1e-20_f32.copysign(d)
+            } else {
+                d
+            }
+        });
+        Self {
+            origin4: origin.to_array().map(Vec4::splat),
+            inverse4: inverse.map(Vec4::splat),
+            slabs: std::array::from_fn(|axis| {
+                if inverse[axis] < 0.0 {
+                    [axis + 3, axis]
+                } else {
+                    [axis, axis + 3]
+                }
+            }),
+            axes: [x, y, z],
+            shear: Vec3A::new(direction[x], direction[y], 1.0) / direction[z],
+        }
+    }
+}

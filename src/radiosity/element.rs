@@ -1,0 +1,475 @@
+use std::collections::{HashMap, VecDeque};
+
+use glam::Vec3;
+
+use super::occlusion::Hit;
+use super::sampling::{hash, sobol, triangle as triangle_point};
+use super::surface::Surfaces;
+use super::validate::ValidScene;
+
+/// Index of a radiosity element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct ElementId(pub(crate) u32);
+
+/// The pieces of surface that radiosity is solved on, each of constant reflectance and radiosity.
+///
+/// A triangle much larger than an element is cut into `n²` equal cells; smaller triangles are
+/// merged with neighbours across shared edges while the surface stays smooth. So elements have a
+/// size of their own, coarser or finer than the mesh, and the element of a ray's hit follows from
+/// the triangle and the barycentrics alone. A double-sided surface has an element on each side.
+pub(crate) struct Elements {
+    /// Reflectance, at most [`BakeSettings::max_reflectance`](super::BakeSettings).
+    pub(crate) reflectance: Vec<Vec3>,
+    /// Emitted radiance.
+    pub(crate) emission: Vec<Vec3>,
+    /// Area that stops light, in squared internal units.
+    pub(crate) area: Vec<f32>,
+    /// Share of the whole area that stops light.
+    coverage: Vec<f32>,
+    /// How many elements had their reflectance clamped.
+    pub(crate) clamped: u32,
+    /// First piece of each element, and one past the last.
+    first_piece: Vec<u32>,
+    pieces: Vec<Piece>,
+    cells: Vec<Cells>,
+}
+
+/// A live triangle or one cell of it, on one side, as part of an element.
+#[derive(Clone, Copy)]
+struct Piece {
+    triangle: u32,
+    cell: u32,
+    back: bool,
+    /// Share of the element's area up to and including this piece.
+    cumulative: f32,
+}
+
+/// How a live triangle is cut into elements.
+#[derive(Clone, Copy, Default)]
+struct Cells {
+    /// Cells along an edge.
+    n: u16,
+    /// Element of cell 0 on the front and on the back; the other cells follow.
+    front: u32,
+    back: Option<u32>,
+}
+
+/// A point on an element, from which rays start.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ElementPoint {
+    pub(crate) triangle: u32,
+    pub(crate) position: Vec3,
+    /// Unit normal of the element's side.
+    pub(crate) normal: Vec3,
+}
+
+/// Points at which the reflectance of a cell is read.
+const TEXTURE_POINTS: usize = 16;
+
+/// Merged triangles may face this far from the first, as a cosine (about 25°).
+const MERGE_COSINE: f32 = 0.9;
+
+impl Elements {
+    /// Cuts and merges the live triangles into about `count` elements.
+    pub(crate) fn new(
+        scene: &ValidScene,
+        surfaces: &Surfaces,
+        count: u32,
+        max_reflectance: f32,
+    ) -> Self {
+        let areas: Vec<f32> = scene
+            .triangles
+            .iter()
+            .map(|&t| area(scene.corners(t)))
+            .collect();
+        let total: f64 = areas.iter().map(|&a| f64::from(a)).sum();
+        let target = (total / f64::from(count.max(1))) as f32;
+        let mut builder = Builder::new(scene, surfaces, max_reflectance);
+        let groups = merge(scene, &areas, target);
+        for group in &groups {
+            builder.add(group, &areas, target);
+        }
+        builder.elements
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.area.len()
+    }
+
+    /// The element that a ray hit; `None` for the black back of a one-sided surface.
+    pub(crate) fn at(&self, hit: &Hit) -> Option<ElementId> {
+        let cells = self.cells[hit.triangle as usize];
+        let base = if hit.back { cells.back? } else { cells.front };
+        Some(ElementId(base + cell_of(hit.uv, cells.n)))
+    }
+
+    /// Point `u`, `v` (each 0..1) of an element, area-uniform.
+    pub(crate) fn point(
+        &self,
+        scene: &ValidScene,
+        element: ElementId,
+        u: f32,
+        v: f32,
+    ) -> ElementPoint {
+        let e = element.0 as usize;
+        let pieces = &self.pieces[self.first_piece[e] as usize..self.first_piece[e + 1] as usize];
+        let i = pieces
+            .partition_point(|p| p.cumulative <= u)
+            .min(pieces.len() - 1);
+        let below = if i == 0 {
+            0.0
+        } else {
+            pieces[i - 1].cumulative
+        };
+        // What is left of u after choosing the piece is uniform again.
+        let u =
+            ((u - below) / (pieces[i].cumulative - below).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let piece = pieces[i];
+        let n = self.cells[piece.triangle as usize].n;
+        let barycentrics = in_cell(triangle_point(u, v), piece.cell, n);
+        let [a, b, c] = scene.corners(scene.triangles[piece.triangle as usize]);
+        let normal = (b - a)
+            .as_dvec3()
+            .cross((c - a).as_dvec3())
+            .normalize()
+            .as_vec3();
+        ElementPoint {
+            triangle: piece.triangle,
+            position: a * barycentrics.x + b * barycentrics.y + c * barycentrics.z,
+            normal: if piece.back { -normal } else { normal },
+        }
+    }
+
+    /// Live triangles that emit on some side, with whether they emit on both.
+    pub(crate) fn emissive_triangles(&self) -> impl Iterator<Item = (u32, bool)> + '_ {
+        self.cells.iter().enumerate().filter_map(|(t, cells)| {
+            let count = u32::from(cells.n).pow(2);
+            let shines =
+                (cells.front..cells.front + count).any(|e| self.emission[e as usize] != Vec3::ZERO);
+            shines.then_some((t as u32, cells.back.is_some()))
+        })
+    }
+
+    /// The element of the same surface as a ray's hit would find it.
+    fn side_at(&self, triangle: u32, uv: [f32; 2], back: bool) -> Option<ElementId> {
+        self.at(&Hit {
+            triangle,
+            distance: 0.0,
+            uv,
+            back,
+        })
+    }
+
+    /// Radiance that a ray sees which stopped at this point of a live triangle's side.
+    pub(crate) fn emission_at(&self, triangle: u32, uv: [f32; 2], back: bool) -> Vec3 {
+        self.side_at(triangle, uv, back)
+            .map_or(Vec3::ZERO, |e| self.emission[e.0 as usize])
+    }
+
+    /// The same, counting the part of the surface that is not there as dark.
+    pub(crate) fn covered_emission_at(&self, triangle: u32, uv: [f32; 2], back: bool) -> Vec3 {
+        self.side_at(triangle, uv, back).map_or(Vec3::ZERO, |e| {
+            self.emission[e.0 as usize] * self.coverage[e.0 as usize]
+        })
+    }
+
+    /// The object whose surface an element is part of.
+    pub(crate) fn object(&self, scene: &ValidScene, element: usize) -> usize {
+        let piece = self.pieces[self.first_piece[element] as usize];
+        scene.triangles[piece.triangle as usize].object as usize
+    }
+
+    /// Whether an element is the back of its surface.
+    pub(crate) fn is_back(&self, element: usize) -> bool {
+        self.pieces[self.first_piece[element] as usize].back
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        (self.len() * (12 + 12 + 4 + 4 + 4) + self.pieces.len() * 16 + self.cells.len() * 16) as u64
+    }
+}
+
+/// A connected, smooth set of live triangles that makes one element, or one triangle of any size.
+type Group = Vec<u32>;
+
+/// Joins neighbouring small triangles, breadth first, until the group has an element's area.
+fn merge(scene: &ValidScene, areas: &[f32], target: f32) -> Vec<Group> {
+    let neighbours = Neighbours::new(scene);
+    let normals: Vec<Vec3> = scene
+        .triangles
+        .iter()
+        .map(|&t| {
+            let [a, b, c] = scene.corners(t);
+            (b - a)
+                .as_dvec3()
+                .cross((c - a).as_dvec3())
+                .normalize()
+                .as_vec3()
+        })
+        .collect();
+    let mut taken = vec![false; scene.triangles.len()];
+    let mut groups = Vec::new();
+    for seed in 0..scene.triangles.len() as u32 {
+        if std::mem::replace(&mut taken[seed as usize], true) {
+            continue;
+        }
+        let mut group = vec![seed];
+        let mut filled = areas[seed as usize];
+        let mut queue = VecDeque::from([seed]);
+        while let Some(t) = queue.pop_front().filter(|_| filled < target) {
+            for &other in neighbours.of(t) {
+                let smooth = normals[other as usize].dot(normals[seed as usize]) > MERGE_COSINE;
+                let fits = filled + areas[other as usize] < 1.5 * target;
+                if !taken[other as usize] && smooth && fits {
+                    taken[other as usize] = true;
+                    filled += areas[other as usize];
+                    group.push(other);
+                    queue.push_back(other);
+                }
+            }
+        }
+        groups.push(group);
+    }
+    groups
+}
+
+/// Live triangles of one object across each other's edges, found by position.
+struct Neighbours {
+    list: Vec<[u32; 3]>,
+    count: Vec<u8>,
+}
+
+impl Neighbours {
+    fn new(scene: &ValidScene) -> Self {
+        let mut edges: HashMap<(u32, [u32; 6]), u32> =
+            HashMap::with_capacity(scene.triangles.len() * 2);
+        let mut list = vec![[0; 3]; scene.triangles.len()];
+        let mut count = vec![0_u8; scene.triangles.len()];
+        for (t, &key) in scene.triangles.iter().enumerate() {
+            let corners = scene.corners(key);
+            for k in 0..3 {
+                let edge = (key.object, edge_key(corners[k], corners[(k + 1) % 3]));
+                // A third triangle on an edge takes the place of the pair: no more neighbours.
+                let Some(other) = edges.remove(&edge) else {
+                    edges.insert(edge, t as u32);
+                    continue;
+                };
+                for (a, b) in [(t as u32, other), (other, t as u32)] {
+                    let slot = &mut count[a as usize];
+                    if *slot < 3 {
+                        list[a as usize][usize::from(*slot)] = b;
+                        *slot += 1;
+                    }
+                }
+            }
+        }
+        Self { list, count }
+    }
+
+    fn of(&self, t: u32) -> &[u32] {
+        &self.list[t as usize][..usize::from(self.count[t as usize])]
+    }
+}
+
+fn edge_key(a: Vec3, b: Vec3) -> [u32; 6] {
+    let bits = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
+    let (a, b) = (bits(a), bits(b));
+    let ([x0, y0, z0], [x1, y1, z1]) = if a < b { (a, b) } else { (b, a) };
+    [x0, y0, z0, x1, y1, z1]
+}
+
+struct Builder<'a> {
+    scene: &'a ValidScene,
+    surfaces: &'a Surfaces<'a>,
+    max_reflectance: f32,
+    elements: Elements,
+}
+
+impl<'a> Builder<'a> {
+    fn new(scene: &'a ValidScene, surfaces: &'a Surfaces<'a>, max_reflectance: f32) -> Self {
+        Self {
+            scene,
+            surfaces,
+            max_reflectance,
+            elements: Elements {
+                reflectance: Vec::new(),
+                emission: Vec::new(),
+                area: Vec::new(),
+                coverage: Vec::new(),
+                clamped: 0,
+                first_piece: vec![0],
+                pieces: Vec::new(),
+                cells: vec![Cells::default(); scene.triangles.len()],
+            },
+        }
+    }
+
+    /// Adds the elements of a group: its cells if it is one triangle, else one for all.
+    fn add(&mut self, group: &[u32], areas: &[f32], target: f32) {
+        let n = match group {
+            [one] => (areas[*one as usize] / target)
+                .sqrt()
+                .round()
+                .clamp(1.0, 1000.0) as u16,
+            _ => 1,
+        };
+        let sides = if self.two_sided(group[0]) { 2 } else { 1 };
+        for side in 0..sides {
+            let base = self.elements.len() as u32;
+            for &t in group {
+                let cells = &mut self.elements.cells[t as usize];
+                cells.n = n;
+                if side == 0 {
+                    cells.front = base;
+                } else {
+                    cells.back = Some(base);
+                }
+            }
+            for cell in 0..u32::from(n).pow(2) {
+                self.add_element(group, cell, n, side == 1, areas);
+            }
+        }
+    }
+
+    fn two_sided(&self, triangle: u32) -> bool {
+        self.scene
+            .material(self.scene.triangles[triangle as usize])
+            .double_sided
+    }
+
+    fn add_element(&mut self, group: &[u32], cell: u32, n: u16, back: bool, areas: &[f32]) {
+        let share = 1.0 / f32::from(n).powi(2);
+        let whole: f64 = group
+            .iter()
+            .map(|&t| f64::from(areas[t as usize] * share))
+            .sum();
+        let (mut reflectance, mut emission, mut covered) = (Vec3::ZERO, Vec3::ZERO, 0.0_f64);
+        let mut cumulative = 0.0;
+        for &t in group {
+            let seed = hash(t, cell);
+            let points: [Vec3; TEXTURE_POINTS] = std::array::from_fn(|i| {
+                let [u, v, ..] = sobol(i as u32, 0, seed);
+                in_cell(triangle_point(u, v), cell, n)
+            });
+            let diffuse = self.surfaces.average(t, &points, share);
+            let area = areas[t as usize] * share;
+            cumulative += f64::from(area) / whole;
+            let weight = area * diffuse.coverage;
+            reflectance += diffuse.reflectance * weight;
+            emission += diffuse.emission * weight;
+            covered += f64::from(weight);
+            self.elements.pieces.push(Piece {
+                triangle: t,
+                cell,
+                back,
+                cumulative: cumulative as f32,
+            });
+        }
+        let inverse = if covered > 0.0 {
+            (1.0 / covered) as f32
+        } else {
+            0.0
+        };
+        let clamped = (reflectance * inverse).min(Vec3::splat(self.max_reflectance));
+        let e = &mut self.elements;
+        e.clamped += u32::from(clamped != reflectance * inverse);
+        e.reflectance.push(clamped);
+        e.emission.push(emission * inverse);
+        e.area.push(covered as f32);
+        e.coverage.push((covered / whole) as f32);
+        e.first_piece.push(e.pieces.len() as u32);
+    }
+}
+
+pub(crate) fn area([a, b, c]: [Vec3; 3]) -> f32 {
+    (0.5 * (b - a).as_dvec3().cross((c - a).as_dvec3()).length()) as f32
+}
+
+/// Which of a triangle's `n²` cells a point lies in.
+///
+/// ```text
+///   v        row i holds 2(n − i) − 1 cells, upright (▲) and
+///   |\       inverted (▼) by turns, so rows 0..i hold i(2n − i),
+///   |▲\      and cell = i(2n − i) + 2j + (1 if inverted).
+///   |▼▲\
+///   +---\ u
+/// ```
+fn cell_of(uv: [f32; 2], n: u16) -> u32 {
+    if n <= 1 {
+        return 0;
+    }
+    let n = u32::from(n);
+    let [x, y] = uv.map(|c| (c * n as f32).max(0.0));
+    let i = (x as u32).min(n - 1);
+    let j = (y as u32).min(n - 1 - i);
+    let inverted = (x - i as f32) + (y - j as f32) > 1.0 && j + 1 < n - i;
+    i * (2 * n - i) + 2 * j + u32::from(inverted)
+}
+
+/// The triangle's barycentrics of a point given by its barycentrics in one of `n²` cells.
+fn in_cell(point: Vec3, cell: u32, n: u16) -> Vec3 {
+    if n <= 1 {
+        return point;
+    }
+    let n = u32::from(n);
+    // Rows from i on hold (n − i)² cells: the row is the largest i with n² − cell ≤ (n − i)².
+    let left = n * n - cell;
+    let mut rows = left.isqrt();
+    if rows * rows < left {
+        rows += 1;
+    }
+    let i = n - rows;
+    let within = cell - i * (2 * n - i);
+    let (j, inverted) = (within / 2, within % 2 == 1);
+    let (u, v) = if inverted {
+        (1.0 - point.y, 1.0 - point.z)
+    } else {
+        (point.y, point.z)
+    };
+    let (u, v) = ((i as f32 + u) / n as f32, (j as f32 + v) / n as f32);
+    Vec3::new(1.0 - u - v, u, v)
+}
+
+/// A seed for the rays of an element, apart from those of samples and of other elements.
+pub(crate) fn element_seed(element: ElementId, seed: u32) -> u32 {
+    hash(element.0, hash(seed, 0xE1E3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_and_points_are_inverse() {
+        for n in [1_u16, 2, 3, 7, 50] {
+            let count = u32::from(n).pow(2);
+            for cell in 0..count {
+                for b in [
+                    Vec3::splat(1.0 / 3.0),
+                    Vec3::new(0.9, 0.05, 0.05),
+                    Vec3::new(0.1, 0.8, 0.1),
+                ] {
+                    let p = in_cell(b, cell, n);
+                    assert!((p.element_sum() - 1.0).abs() < 1e-5 && p.min_element() > -1e-6);
+                    assert_eq!(cell_of([p.y, p.z], n), cell, "n {n} point {p}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_corner_lies_in_a_cell() {
+        for n in [2_u16, 5, 1000] {
+            for uv in [
+                [0.0, 0.0],
+                [1.0, 0.0],
+                [0.0, 1.0],
+                [0.5, 0.5],
+                [-1e-7, 1.0],
+                [1.0, 1e-7],
+            ] {
+                assert!(cell_of(uv, n) < u32::from(n).pow(2));
+            }
+        }
+    }
+}

@@ -1,0 +1,485 @@
+use std::ops::Range;
+
+use glam::{Vec2, Vec3};
+
+use super::element::{ElementId, Elements, area};
+use super::observer::{Observer, Stage};
+use super::occlusion::{Hit, OFFSET, Occluders};
+use super::parallel::{Cancelled, map_ranges};
+use super::sampling::{cosine_hemisphere, frame, hash, sobol, triangle as triangle_point};
+use super::settings::BakeSettings;
+use super::validate::ValidScene;
+
+/// Emissive triangles, and how light is drawn from them.
+///
+/// Small emitters are sampled: a tree over them picks one by what it may send to the receiver
+/// (Conty and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"), and
+/// a shadow ray asks whether it does. Rays that gather bounced light also meet emitters by
+/// chance; both estimates are combined by Veach's power heuristic, so that near an emitter, where
+/// 1/d² is wild, the rays take over, and far from it the samples.
+///
+/// Emissive materials that fill the view (a luminous ceiling, a furnace) are left to the rays
+/// alone, which find them without noise.
+pub(crate) struct EmitterTree {
+    nodes: Vec<Node>,
+    leaves: Vec<Leaf>,
+    /// Leaf of each live triangle.
+    leaf_of: Vec<Option<u32>>,
+}
+
+/// An [`EmitterTree`] for receivers that take so many light samples and so many rays each: the
+/// ratio sets how the two are combined.
+#[derive(Clone, Copy)]
+pub(crate) struct Emitters<'a> {
+    pub(crate) tree: &'a EmitterTree,
+    pub(crate) samples: u32,
+    pub(crate) rays: u32,
+}
+
+/// A point that receives light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Receiver {
+    /// Where rays start: lifted off its own surface.
+    pub(crate) position: Vec3,
+    /// Unit normal of the side that receives.
+    pub(crate) normal: Vec3,
+    /// The live triangle it lies on.
+    pub(crate) triangle: u32,
+}
+
+#[derive(Clone, Copy)]
+struct Leaf {
+    triangle: u32,
+    corners: [Vec3; 3],
+    normal: Vec3,
+    area: f32,
+    two_sided: bool,
+    /// Position in the tree.
+    node: u32,
+}
+
+#[derive(Clone, Copy)]
+struct Node {
+    center: Vec3,
+    radius: f32,
+    /// Mean normal, and the cosine of the cone around it that holds all normals; −1 for any.
+    axis: Vec3,
+    cone_cosine: f32,
+    /// Luminous power, relative.
+    power: f32,
+    /// Left child (right child follows `left_count` nodes later) or leaf.
+    content: Content,
+    parent: u32,
+}
+
+#[derive(Clone, Copy)]
+enum Content {
+    Leaf(u32),
+    Children(u32, u32),
+}
+
+/// Above this share of all rays a material's emitters are left to be found by rays.
+const WIDE: f32 = 0.1;
+
+/// Rays of the survey that measures how much of the view each emissive material fills.
+const SURVEY_RAYS: usize = 4096;
+
+impl EmitterTree {
+    /// Builds the tree over the emitters that are worth sampling.
+    pub(crate) fn new(
+        scene: &ValidScene,
+        elements: &Elements,
+        occluders: &Occluders,
+        seed: u32,
+        observer: &dyn Observer,
+    ) -> Result<Self, Cancelled> {
+        let mut leaves: Vec<Leaf> = Vec::new();
+        let mut powers = Vec::new();
+        if elements.emissive_triangles().next().is_some() {
+            let views = survey(scene, elements, occluders, seed, observer)?;
+            for (t, two_sided) in elements.emissive_triangles() {
+                let key = scene.triangles[t as usize];
+                let material = scene.objects[key.object as usize].material.0 as usize;
+                if views[material] > WIDE {
+                    continue;
+                }
+                let leaf = Leaf::new(scene, t, two_sided);
+                powers.push(leaf.area * mean_emission(elements, t));
+                leaves.push(leaf);
+            }
+        }
+        let mut leaf_of = vec![None; scene.triangles.len()];
+        for (i, leaf) in leaves.iter().enumerate() {
+            leaf_of[leaf.triangle as usize] = Some(i as u32);
+        }
+        let mut emitters = Self {
+            nodes: Vec::new(),
+            leaves,
+            leaf_of,
+        };
+        let mut order: Vec<u32> = (0..emitters.leaves.len() as u32).collect();
+        if !order.is_empty() {
+            emitters.build(&mut order, &powers, u32::MAX);
+        }
+        Ok(emitters)
+    }
+
+    /// Number of emissive triangles that are sampled.
+    pub(crate) fn len(&self) -> usize {
+        self.leaves.len()
+    }
+
+    /// Median split by power-free centroid along the longest axis; returns the node's index.
+    fn build(&mut self, order: &mut [u32], powers: &[f32], parent: u32) -> u32 {
+        let index = self.nodes.len() as u32;
+        let mut node = self.bound(order, powers);
+        node.parent = parent;
+        self.nodes.push(node);
+        if let [leaf] = *order {
+            self.leaves[leaf as usize].node = index;
+            self.nodes[index as usize].content = Content::Leaf(leaf);
+            return index;
+        }
+        let leaves = &self.leaves;
+        let centroid = |l: &u32| leaves[*l as usize].centroid();
+        let (low, high) = order
+            .iter()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), l| {
+                (lo.min(centroid(l)), hi.max(centroid(l)))
+            });
+        let axis = (high - low).max_position();
+        order.sort_by(|a, b| {
+            centroid(a)[axis]
+                .total_cmp(&centroid(b)[axis])
+                .then(a.cmp(b))
+        });
+        let (left, right) = order.split_at_mut(order.len() / 2);
+        let left = self.build(left, powers, index);
+        let right = self.build(right, powers, index);
+        self.nodes[index as usize].content = Content::Children(left, right);
+        index
+    }
+
+    fn bound(&self, order: &[u32], powers: &[f32]) -> Node {
+        let members = || order.iter().map(|&l| &self.leaves[l as usize]);
+        let (low, high) = members()
+            .flat_map(|l| l.corners)
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| {
+                (lo.min(p), hi.max(p))
+            });
+        let center = 0.5 * (low + high);
+        let radius = members()
+            .flat_map(|l| l.corners)
+            .map(|p| p.distance(center))
+            .fold(0.0, f32::max);
+        let axis = members()
+            .map(|l| l.normal * l.area)
+            .sum::<Vec3>()
+            .normalize_or_zero();
+        let any_way = axis == Vec3::ZERO || members().any(|l| l.two_sided);
+        let cone_cosine = members().map(|l| l.normal.dot(axis)).fold(1.0, f32::min);
+        Node {
+            center,
+            radius,
+            axis,
+            cone_cosine: if any_way { -1.0 } else { cone_cosine },
+            power: order.iter().map(|&l| powers[l as usize]).sum(),
+            content: Content::Leaf(0),
+            parent: u32::MAX,
+        }
+    }
+
+    /// Walks down the tree by `u`; the leaf and the probability with which it is chosen.
+    fn choose(&self, receiver: &Receiver, mut u: f32) -> Option<(u32, f32)> {
+        let (mut index, mut probability) = (0, 1.0);
+        loop {
+            let (left, right) = match self.nodes[index as usize].content {
+                Content::Leaf(leaf) => return Some((leaf, probability)),
+                Content::Children(left, right) => (left, right),
+            };
+            let share = self.left_share(receiver, left, right)?;
+            if u < share {
+                (index, probability, u) = (left, probability * share, u / share);
+            } else {
+                (index, probability, u) = (
+                    right,
+                    probability * (1.0 - share),
+                    (u - share) / (1.0 - share),
+                );
+            }
+        }
+    }
+
+    /// The probability with which [`Self::choose`] finds a leaf.
+    fn probability(&self, receiver: &Receiver, leaf: u32) -> f32 {
+        let mut index = self.leaves[leaf as usize].node;
+        let mut probability = 1.0;
+        while self.nodes[index as usize].parent != u32::MAX {
+            let parent = self.nodes[index as usize].parent;
+            let Content::Children(left, right) = self.nodes[parent as usize].content else {
+                return 0.0;
+            };
+            let Some(share) = self.left_share(receiver, left, right) else {
+                return 0.0;
+            };
+            probability *= if index == left { share } else { 1.0 - share };
+            index = parent;
+        }
+        probability
+    }
+
+    fn left_share(&self, receiver: &Receiver, left: u32, right: u32) -> Option<f32> {
+        let [l, r] = [left, right].map(|n| self.nodes[n as usize].importance(receiver));
+        (l + r > 0.0).then(|| l / (l + r))
+    }
+}
+
+impl<'a> Emitters<'a> {
+    /// For the elements of a bake.
+    pub(crate) fn at_elements(tree: &'a EmitterTree, settings: &BakeSettings) -> Self {
+        Self {
+            tree,
+            samples: settings.emitter_rays,
+            rays: settings.element_rays,
+        }
+    }
+
+    /// For the samples inside the triangles of a bake.
+    pub(crate) fn at_samples(tree: &'a EmitterTree, settings: &BakeSettings) -> Self {
+        Self {
+            tree,
+            samples: settings.emitter_rays,
+            rays: settings.gather_rays,
+        }
+    }
+
+    /// Direct light of sampled emitters at a receiver (irradiance / π): the mean over the samples
+    /// `indices` of the sequence `seed`.
+    pub(crate) fn sample(
+        &self,
+        elements: &Elements,
+        occluders: &Occluders,
+        receiver: &Receiver,
+        seed: u32,
+        indices: Range<u32>,
+    ) -> Vec3 {
+        if self.tree.leaves.is_empty() {
+            return Vec3::ZERO;
+        }
+        let mut sum = Vec3::ZERO;
+        let count = indices.len() as f32;
+        for i in indices {
+            let [choice, u, v, _] = sobol(i, 1, seed);
+            let Some((leaf, probability)) = self.tree.choose(receiver, choice) else {
+                continue;
+            };
+            let leaf = &self.tree.leaves[leaf as usize];
+            let barycentrics = triangle_point(u, v);
+            sum += self.sample_point(
+                elements,
+                occluders,
+                receiver,
+                leaf,
+                barycentrics,
+                probability,
+                hash(seed, i),
+            );
+        }
+        sum / count
+    }
+
+    /// One sample's estimate of irradiance / π: `L cos cos' / (π d²) / (probability / area)`,
+    /// times the weight of sampling against rays.
+    fn sample_point(
+        &self,
+        elements: &Elements,
+        occluders: &Occluders,
+        receiver: &Receiver,
+        leaf: &Leaf,
+        b: Vec3,
+        probability: f32,
+        seed: u32,
+    ) -> Vec3 {
+        let [p, q, r] = leaf.corners;
+        let point = p * b.x + q * b.y + r * b.z;
+        let to = point - receiver.position;
+        let distance = to.length();
+        let direction = to / distance;
+        let cosine = receiver.normal.dot(direction);
+        let facing = -leaf.normal.dot(direction);
+        if !(cosine > 0.0 && (facing > 0.0 || leaf.two_sided)) || leaf.triangle == receiver.triangle
+        {
+            return Vec3::ZERO;
+        }
+        let emission = elements.covered_emission_at(leaf.triangle, [b.y, b.z], facing < 0.0);
+        let density = probability / leaf.area * distance * distance / facing.abs();
+        if emission == Vec3::ZERO || !density.is_finite() || density <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let visible = occluders.visible(
+            receiver.position,
+            direction,
+            distance - OFFSET,
+            [receiver.triangle, leaf.triangle],
+            seed,
+        );
+        if !visible {
+            return Vec3::ZERO;
+        }
+        let weight = self.sampling_weight(density, cosine);
+        emission * (cosine / std::f32::consts::PI / density * weight)
+    }
+
+    /// Emission that a ray of density cos/π came upon, times the weight of rays against samples.
+    pub(crate) fn found_by_ray(
+        &self,
+        elements: &Elements,
+        receiver: &Receiver,
+        direction: Vec3,
+        hit: &Hit,
+    ) -> Vec3 {
+        let emission = elements.emission_at(hit.triangle, hit.uv, hit.back);
+        if emission == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        let Some(leaf) = self.tree.leaf_of[hit.triangle as usize] else {
+            return emission;
+        };
+        let probability = self.tree.probability(receiver, leaf);
+        let leaf = &self.tree.leaves[leaf as usize];
+        let facing = leaf.normal.dot(direction).abs();
+        let density = probability / leaf.area * hit.distance * hit.distance / facing;
+        emission * (1.0 - self.sampling_weight(density, receiver.normal.dot(direction)))
+    }
+
+    /// Veach and Guibas 1995: the power heuristic with exponent 2.
+    fn sampling_weight(&self, density: f32, cosine: f32) -> f32 {
+        let sampled = self.samples as f32 * density;
+        let traced = self.rays as f32 * cosine / std::f32::consts::PI;
+        if sampled.is_infinite() {
+            return 1.0;
+        }
+        let ratio = traced / sampled.max(f32::MIN_POSITIVE);
+        1.0 / (1.0 + ratio * ratio)
+    }
+}
+
+impl Node {
+    /// An estimate, zero only where it is sure, of the light a node can send to a receiver.
+    fn importance(&self, receiver: &Receiver) -> f32 {
+        let to = self.center - receiver.position;
+        let distance_squared = to.length_squared();
+        let radius_squared = self.radius * self.radius;
+        if distance_squared <= radius_squared {
+            return self.power / radius_squared.max(f32::MIN_POSITIVE);
+        }
+        let direction = to / distance_squared.sqrt();
+        // Half angle under which the node is seen.
+        let sine_squared = radius_squared / distance_squared;
+        let spread = Vec2::new((1.0 - sine_squared).max(0.0).sqrt(), sine_squared.sqrt());
+        let receives = cosine_minus(receiver.normal.dot(direction), spread);
+        let cone = Vec2::new(
+            self.cone_cosine,
+            (1.0 - self.cone_cosine * self.cone_cosine).max(0.0).sqrt(),
+        );
+        let sends = if self.cone_cosine <= -1.0 {
+            1.0
+        } else {
+            // cos max(0, θ − cone − spread), from the sum of both angles.
+            let both = Vec2::new(
+                cone.x * spread.x - cone.y * spread.y,
+                cone.y * spread.x + cone.x * spread.y,
+            );
+            if both.y < 0.0 {
+                1.0
+            } else {
+                cosine_minus(-self.axis.dot(direction), both)
+            }
+        };
+        self.power * receives.max(0.0) * sends.max(0.0) / distance_squared
+    }
+}
+
+/// cos max(0, θ − α) for cosines of θ and the cosine and sine of α, both in 0..π.
+fn cosine_minus(cosine: f32, angle: Vec2) -> f32 {
+    if cosine >= angle.x {
+        return 1.0;
+    }
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    cosine * angle.x + sine * angle.y
+}
+
+impl Leaf {
+    fn new(scene: &ValidScene, triangle: u32, two_sided: bool) -> Self {
+        let corners = scene.corners(scene.triangles[triangle as usize]);
+        let [a, b, c] = corners;
+        Self {
+            triangle,
+            corners,
+            normal: (b - a)
+                .as_dvec3()
+                .cross((c - a).as_dvec3())
+                .normalize()
+                .as_vec3(),
+            area: area(corners),
+            two_sided,
+            node: 0,
+        }
+    }
+
+    fn centroid(&self) -> Vec3 {
+        (self.corners[0] + self.corners[1] + self.corners[2]) / 3.0
+    }
+}
+
+fn mean_emission(elements: &Elements, triangle: u32) -> f32 {
+    let sides = [false, true].map(|back| {
+        let mid = elements.emission_at(triangle, [1.0 / 3.0; 2], back);
+        mid.element_sum()
+    });
+    // A texture may be dark in the middle of a triangle that shines elsewhere.
+    (sides[0].max(sides[1])).max(1e-6)
+}
+
+/// The share of the view that each emissive material fills, averaged over all surfaces.
+fn survey(
+    scene: &ValidScene,
+    elements: &Elements,
+    occluders: &Occluders,
+    seed: u32,
+    observer: &dyn Observer,
+) -> Result<Vec<f32>, Cancelled> {
+    // Elements chosen evenly, each ray counted by the area it stands for.
+    let rays = SURVEY_RAYS.min(16 * elements.len());
+    let chunks = map_ranges(rays, 256, Stage::Direct, observer, |range| {
+        let mut seen = vec![0.0_f32; scene.materials.len()];
+        let mut total = 0.0;
+        for i in range {
+            let element = i * elements.len() / rays;
+            let area = elements.area[element];
+            total += area;
+            let [u, v, s, t] = sobol(i as u32, 2, seed);
+            let point = elements.point(scene, ElementId(element as u32), u, v);
+            let direction = frame(point.normal) * cosine_hemisphere(s, t);
+            let origin = point.position + point.normal * OFFSET;
+            let Some(hit) =
+                occluders.closest(origin, direction, point.triangle, hash(seed, i as u32))
+            else {
+                continue;
+            };
+            if elements.emission_at(hit.triangle, hit.uv, hit.back) != Vec3::ZERO {
+                let key = scene.triangles[hit.triangle as usize];
+                seen[scene.objects[key.object as usize].material.0 as usize] += area;
+            }
+        }
+        (seen, total)
+    })?;
+    let total: f32 = chunks.iter().map(|c| c.1).sum();
+    let mut views = vec![0.0; scene.materials.len()];
+    for (seen, _) in chunks {
+        for (view, seen) in views.iter_mut().zip(seen) {
+            *view += seen / total.max(f32::MIN_POSITIVE);
+        }
+    }
+    Ok(views)
+}

@@ -1,0 +1,280 @@
+use glam::Vec3;
+
+use super::gather::TriangleSamples;
+
+/// Vertex light fitted to the samples.
+pub(crate) struct Fit {
+    /// Light (irradiance / π) of each unknown.
+    pub(crate) light: Vec<Vec3>,
+    /// Relative RMS of the difference of two fits to half the samples each, halved: the error
+    /// that chance leaves in the whole.
+    pub(crate) sampling_error: f32,
+    /// Area-weighted mean luminance.
+    pub(crate) mean: f32,
+    /// Unknowns without a sample of their own, filled along the mesh.
+    pub(crate) filled: Vec<bool>,
+    /// Unknowns on pieces of mesh without any sample.
+    pub(crate) dark: Vec<bool>,
+}
+
+/// How strongly neighbouring vertices are pulled together, as a share of the samples' own pull:
+/// light with sharp edges keeps them, gathered light is smooth and its noise is not.
+const SMOOTHING: [f32; 2] = [0.001, 0.01];
+
+/// The least-squares fit stops at this relative residual: far below the samples' noise.
+const TOLERANCE: f32 = 1e-4;
+
+/// Iterations at most; a fill across a large area without samples takes the most.
+const MAX_ITERATIONS: usize = 500;
+
+/// Fits vertex values to samples inside triangles (Kavan, Bargteil and Sloan 2011, "Least Squares
+/// Vertex Baking"), which follows light between vertices where point samples at vertices do not.
+///
+/// ```text
+///   minimise  Σ_s w_s (Σ_k b_k(s) x_k − E_s)²  +  λ Σ_t A_t Σ_edges (x_i − x_j)²
+///   ┌──────────────────────────────────────────────────────────┐
+///   │  Σ_t (G_t + λ A_t L) x = Σ_t r_t     G_t = Σ w b bᵀ       │
+///   └──────────────────────────────────────────────────────────┘
+/// ```
+///
+/// with `L` the graph Laplacian of a triangle. Where there are no samples only the second term is
+/// left: its minimum is the harmonic fill from the vertices around, along the mesh and so never
+/// through a wall.
+pub(crate) fn fit(triangles: &[TriangleSamples], unknowns: usize) -> Fit {
+    let whole = solve_halves(triangles, unknowns, &[0, 1]);
+    let [a, b] = [[0], [1]].map(|half| solve_halves(triangles, unknowns, &half));
+    let mut area = vec![0.0_f32; unknowns];
+    let mut sampled = vec![false; unknowns];
+    for t in triangles {
+        for &u in &t.unknowns {
+            area[u as usize] += t.area / 3.0;
+            sampled[u as usize] |= t.invalid < t.taken;
+        }
+    }
+    let total: f64 = area
+        .iter()
+        .map(|&a| f64::from(a))
+        .sum::<f64>()
+        .max(f64::MIN_POSITIVE);
+    let mean = |f: &dyn Fn(usize) -> f64| {
+        (0..unknowns)
+            .map(|i| f(i) * f64::from(area[i]))
+            .sum::<f64>()
+            / total
+    };
+    let level = mean(&|i| luminance(whole[i]));
+    let variance = mean(&|i| (0.5 * luminance(a[i] - b[i])).powi(2));
+    let dark = unreached(triangles, &sampled);
+    Fit {
+        sampling_error: if level > 0.0 {
+            (variance.sqrt() / level) as f32
+        } else {
+            0.0
+        },
+        mean: level as f32,
+        filled: (0..unknowns).map(|i| !sampled[i] && !dark[i]).collect(),
+        light: whole,
+        dark,
+    }
+}
+
+fn luminance(c: Vec3) -> f64 {
+    f64::from(c.dot(Vec3::new(0.2126, 0.7152, 0.0722)))
+}
+
+/// Fits to some of the half-sets, both kinds of light.
+fn solve_halves(triangles: &[TriangleSamples], unknowns: usize, halves: &[usize]) -> Vec<Vec3> {
+    let mut light = vec![Vec3::ZERO; unknowns];
+    for (kind, smoothing) in SMOOTHING.into_iter().enumerate() {
+        let system = System::new(triangles, unknowns, halves, kind, smoothing);
+        for (sum, x) in light.iter_mut().zip(system.solve()) {
+            // Overshoot beside a shadow's edge must not go below darkness.
+            *sum += x.max(Vec3::ZERO);
+        }
+    }
+    light
+}
+
+/// The normal equations, kept as one symmetric 3×3 matrix a triangle.
+struct System {
+    blocks: Vec<([u32; 3], [f32; 6])>,
+    right: Vec<Vec3>,
+    diagonal: Vec<f32>,
+    start: Vec<Vec3>,
+}
+
+impl System {
+    fn new(
+        triangles: &[TriangleSamples],
+        unknowns: usize,
+        halves: &[usize],
+        kind: usize,
+        smoothing: f32,
+    ) -> Self {
+        // Areas span many powers of ten between scenes: count them by their mean.
+        let mean_area = triangles.iter().map(|t| f64::from(t.area)).sum::<f64>()
+            / triangles.len().max(1) as f64;
+        let scale = (1.0 / mean_area.max(f64::MIN_POSITIVE)) as f32;
+        let mut system = Self {
+            blocks: Vec::with_capacity(triangles.len()),
+            right: vec![Vec3::ZERO; unknowns],
+            diagonal: vec![0.0; unknowns],
+            start: Vec::new(),
+        };
+        let mut weight = vec![0.0_f32; unknowns];
+        for t in triangles {
+            let pull = smoothing * (t.area * scale).max(1e-6);
+            let mut block = [2.0 * pull, -pull, -pull, 2.0 * pull, -pull, 2.0 * pull];
+            for &half in halves {
+                let sums = &t.halves[half];
+                let right = if kind == 0 { &sums.sharp } else { &sums.smooth };
+                for (entry, gram) in block.iter_mut().zip(sums.gram) {
+                    *entry += gram * scale;
+                }
+                for k in 0..3 {
+                    system.right[t.unknowns[k] as usize] += right[k] * scale;
+                }
+                let [xx, xy, xz, yy, yz, zz] = sums.gram;
+                for (k, row) in [xx + xy + xz, xy + yy + yz, xz + yz + zz]
+                    .into_iter()
+                    .enumerate()
+                {
+                    weight[t.unknowns[k] as usize] += row * scale;
+                }
+            }
+            for (k, entry) in [block[0], block[3], block[5]].into_iter().enumerate() {
+                system.diagonal[t.unknowns[k] as usize] += entry;
+            }
+            system.blocks.push((t.unknowns, block));
+        }
+        system.start = starting_values(triangles, &system.right, &weight);
+        system
+    }
+
+    fn apply(&self, x: &[Vec3], y: &mut [Vec3]) {
+        y.fill(Vec3::ZERO);
+        for &([i, j, k], [ii, ij, ik, jj, jk, kk]) in &self.blocks {
+            let (i, j, k) = (i as usize, j as usize, k as usize);
+            let (a, b, c) = (x[i], x[j], x[k]);
+            y[i] += a * ii + b * ij + c * ik;
+            y[j] += a * ij + b * jj + c * jk;
+            y[k] += a * ik + b * jk + c * kk;
+        }
+    }
+
+    /// Conjugate gradients with the diagonal as preconditioner, three channels side by side.
+    fn solve(&self) -> Vec<Vec3> {
+        let n = self.right.len();
+        let mut x = self.start.clone();
+        let mut image = vec![Vec3::ZERO; n];
+        self.apply(&x, &mut image);
+        let mut r: Vec<Vec3> = self
+            .right
+            .iter()
+            .zip(&image)
+            .map(|(b, a)| *b - *a)
+            .collect();
+        let inverse: Vec<f32> = self
+            .diagonal
+            .iter()
+            .map(|&d| if d > 0.0 { 1.0 / d } else { 0.0 })
+            .collect();
+        let precondition =
+            |r: &[Vec3]| -> Vec<Vec3> { r.iter().zip(&inverse).map(|(r, i)| *r * *i).collect() };
+        let mut z = precondition(&r);
+        let mut p = z.clone();
+        let mut rz = dot(&r, &z);
+        let goal = dot(&self.right, &precondition(&self.right)) * f64::from(TOLERANCE).powi(2);
+        for _ in 0..MAX_ITERATIONS {
+            if rz.cmple(goal).all() {
+                break;
+            }
+            self.apply(&p, &mut image);
+            let step = divide(rz, dot(&p, &image));
+            for i in 0..n {
+                x[i] += p[i] * step;
+                r[i] -= image[i] * step;
+            }
+            z = precondition(&r);
+            let next = dot(&r, &z);
+            let ratio = divide(next, rz);
+            rz = next;
+            for i in 0..n {
+                p[i] = z[i] + p[i] * ratio;
+            }
+        }
+        x
+    }
+}
+
+fn dot(a: &[Vec3], b: &[Vec3]) -> glam::DVec3 {
+    a.iter().zip(b).map(|(a, b)| (*a * *b).as_dvec3()).sum()
+}
+
+/// Channel by channel; 0 where a channel has nothing left to do.
+fn divide(a: glam::DVec3, b: glam::DVec3) -> Vec3 {
+    let one = |a: f64, b: f64| if b > 0.0 { (a / b) as f32 } else { 0.0 };
+    Vec3::new(one(a.x, b.x), one(a.y, b.y), one(a.z, b.z))
+}
+
+/// The mean of the samples around each unknown; unknowns without any take it from neighbours,
+/// ring by ring.
+fn starting_values(triangles: &[TriangleSamples], right: &[Vec3], weight: &[f32]) -> Vec<Vec3> {
+    let mut values: Vec<Vec3> = right
+        .iter()
+        .zip(weight)
+        .map(|(r, &w)| if w > 0.0 { *r / w } else { Vec3::ZERO })
+        .collect();
+    let mut known: Vec<bool> = weight.iter().map(|&w| w > 0.0).collect();
+    let mut waiting: Vec<&TriangleSamples> = triangles
+        .iter()
+        .filter(|t| t.unknowns.iter().any(|&u| !known[u as usize]))
+        .collect();
+    loop {
+        let mut sums = std::collections::BTreeMap::<u32, (Vec3, f32)>::new();
+        for t in &waiting {
+            let around: Vec<u32> = t
+                .unknowns
+                .into_iter()
+                .filter(|&u| known[u as usize])
+                .collect();
+            for &u in t.unknowns.iter().filter(|&&u| !known[u as usize]) {
+                for &v in &around {
+                    let entry = sums.entry(u).or_default();
+                    entry.0 += values[v as usize];
+                    entry.1 += 1.0;
+                }
+            }
+        }
+        if sums.is_empty() {
+            return values;
+        }
+        for (u, (sum, count)) in sums {
+            values[u as usize] = sum / count;
+            known[u as usize] = true;
+        }
+        waiting.retain(|t| t.unknowns.iter().any(|&u| !known[u as usize]));
+    }
+}
+
+/// Unknowns that no chain of triangles joins to a sample.
+fn unreached(triangles: &[TriangleSamples], sampled: &[bool]) -> Vec<bool> {
+    let mut reached = sampled.to_vec();
+    let mut waiting: Vec<&TriangleSamples> = triangles.iter().collect();
+    loop {
+        let before = waiting.len();
+        waiting.retain(|t| {
+            let any = t.unknowns.iter().any(|&u| reached[u as usize]);
+            if any {
+                for &u in &t.unknowns {
+                    reached[u as usize] = true;
+                }
+            }
+            !any
+        });
+        if waiting.len() == before {
+            break;
+        }
+    }
+    reached.into_iter().map(|r| !r).collect()
+}

@@ -1,0 +1,126 @@
+use glam::Vec3;
+
+use super::bvh::{Bvh, Ray};
+use super::sampling::{hash, unit_float};
+use super::surface::Surfaces;
+use super::validate::{HALF_EXTENT, ValidScene};
+
+/// How far off its surface a ray starts, in internal units: 16 times the spacing of `f32` at the
+/// far end of the scene, the rounding a hit point can carry (Wächter and Binder 2019, "A Fast and
+/// Robust Method for Avoiding Self-Intersection", use the same order).
+pub(crate) const OFFSET: f32 = 16.0 * HALF_EXTENT * f32::EPSILON;
+
+/// Within this distance behind a back face, a front face is taken instead: two one-sided faces
+/// back to back, or a wall modelled twice, must not show their black side by a rounding.
+const TIE: f32 = 2.0 * OFFSET;
+
+/// No triangle to leave out.
+pub(crate) const NO_TRIANGLE: u32 = u32::MAX;
+
+/// Where a ray met the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Hit {
+    /// Index into [`ValidScene::triangles`].
+    pub(crate) triangle: u32,
+    /// Distance in internal units.
+    pub(crate) distance: f32,
+    /// Weights of the second and third corner.
+    pub(crate) uv: [f32; 2],
+    /// The side that the winding does not face was hit.
+    pub(crate) back: bool,
+}
+
+/// The input triangles as what stops light.
+pub(crate) struct Occluders<'a> {
+    bvh: Bvh,
+    /// Whether light can pass a live triangle.
+    transmits: Vec<bool>,
+    surfaces: &'a Surfaces<'a>,
+}
+
+impl<'a> Occluders<'a> {
+    pub(crate) fn new(scene: &ValidScene, surfaces: &'a Surfaces<'a>) -> Self {
+        let corners: Vec<[Vec3; 3]> = scene.triangles.iter().map(|&t| scene.corners(t)).collect();
+        Self {
+            bvh: Bvh::new(&corners),
+            transmits: (0..corners.len() as u32)
+                .map(|t| surfaces.transmits(t))
+                .collect(),
+            surfaces,
+        }
+    }
+
+    /// The nearest surface along a ray of unit direction, leaving out triangle `skip`.
+    ///
+    /// `seed` decides, together with the triangle, whether the ray passes a surface that lets
+    /// part of the light through.
+    pub(crate) fn closest(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        skip: u32,
+        seed: u32,
+    ) -> Option<Hit> {
+        let mut best: Option<Hit> = None;
+        let mut limit = f32::INFINITY;
+        self.bvh
+            .traverse(&Ray::new(origin, direction), limit, |found| {
+                let loses = best.is_some_and(|b| {
+                    // The search goes on a little behind a back face: there only a front face wins.
+                    let behind = found.distance >= b.distance;
+                    if b.back {
+                        found.back && behind
+                    } else {
+                        behind || (found.back && found.distance > b.distance - TIE)
+                    }
+                });
+                if loses || found.triangle == skip || self.passes(found.triangle, found.uv, seed) {
+                    return limit;
+                }
+                best = Some(Hit {
+                    triangle: found.triangle,
+                    distance: found.distance,
+                    uv: found.uv,
+                    back: found.back,
+                });
+                limit = if found.back {
+                    found.distance + TIE
+                } else {
+                    found.distance
+                };
+                limit
+            });
+        best
+    }
+
+    /// Whether nothing stands between `origin` and the point at `distance` along `direction`.
+    pub(crate) fn visible(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        distance: f32,
+        skip: [u32; 2],
+        seed: u32,
+    ) -> bool {
+        let mut blocked = false;
+        self.bvh
+            .traverse(&Ray::new(origin, direction), distance, |found| {
+                if skip.contains(&found.triangle) || self.passes(found.triangle, found.uv, seed) {
+                    return distance;
+                }
+                blocked = true;
+                0.0
+            });
+        !blocked
+    }
+
+    /// Whether a ray goes through a surface that is there only in part.
+    fn passes(&self, triangle: u32, uv: [f32; 2], seed: u32) -> bool {
+        self.transmits[triangle as usize]
+            && self.surfaces.alpha(triangle, uv) <= unit_float(hash(seed, triangle))
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.bvh.bytes() + self.transmits.len() as u64
+    }
+}

@@ -1,0 +1,171 @@
+use std::collections::HashMap;
+
+use glam::Vec3;
+
+use super::occlusion::OFFSET;
+use super::validate::ValidScene;
+use crate::mesh::{PositionClasses, RefinedMesh, SplitError, split_flat_corners, split_long_edges};
+
+/// More vertices than this in one bake are taken for a mistake in the edge length.
+const MAX_VERTICES: usize = 50_000_000;
+
+/// The meshes that carry the light: the objects' own, or refinements of them.
+pub(crate) struct ReceiverMeshes {
+    /// One for each object of the scene.
+    pub(crate) meshes: Vec<ReceiverMesh>,
+    /// Number of unknowns of the vertex fit.
+    pub(crate) unknowns: usize,
+}
+
+/// The mesh of one object, in internal units.
+pub(crate) struct ReceiverMesh {
+    pub(crate) positions: Vec<Vec3>,
+    /// Unit normals that the surface is shaded with.
+    pub(crate) normals: Vec<Vec3>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Which unknown of the fit each vertex takes its light from.
+    pub(crate) unknown: Vec<u32>,
+    /// The refinement, if the mesh is not the object's own.
+    pub(crate) refined: Option<RefinedMesh>,
+}
+
+/// Vertices share an unknown if their normals agree within this cosine (1°).
+const SAME_NORMAL: f32 = 0.999_85;
+
+impl ReceiverMeshes {
+    /// Splits edges longer than `max_edge` metres, gives flat-shaded corners vertices of their own,
+    /// and finds which vertices share their light: those of one place and one normal, across
+    /// texture seams and objects, but not across hard edges.
+    pub(crate) fn new(scene: &ValidScene, max_edge: Option<f32>) -> Result<Self, SplitError> {
+        let mut meshes = Vec::with_capacity(scene.objects.len());
+        for object in 0..scene.objects.len() {
+            meshes.push(ReceiverMesh::new(scene, object, max_edge)?);
+        }
+        let unknowns = share_unknowns(&mut meshes);
+        Ok(Self { meshes, unknowns })
+    }
+
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.meshes.iter().map(|m| m.positions.len()).sum()
+    }
+}
+
+impl ReceiverMesh {
+    fn new(scene: &ValidScene, index: usize, max_edge: Option<f32>) -> Result<Self, SplitError> {
+        let object = &scene.objects[index];
+        let flat = object.normals.is_empty();
+        let mut refined: Option<RefinedMesh> = None;
+        if flat && !object.triangles.is_empty() {
+            refined = Some(split_flat_corners(&object.positions, &object.triangles));
+        }
+        if let Some(max_edge) = max_edge {
+            let internal = max_edge / scene.scale;
+            let split = match &refined {
+                None => {
+                    split_long_edges(&object.positions, &object.triangles, internal, MAX_VERTICES)?
+                }
+                Some(corners) => {
+                    let positions = corners.positions(&object.positions, &object.triangles);
+                    let finer =
+                        split_long_edges(&positions, &corners.triangles, internal, MAX_VERTICES)?;
+                    corners.then(&object.triangles, &finer)
+                }
+            };
+            refined = Some(split);
+        }
+        // A refinement that changes nothing is not worth another mesh in the result.
+        let refined = refined.filter(|r| {
+            r.triangles.len() != object.triangles.len()
+                || r.vertices.len() != object.positions.len()
+        });
+        Ok(match refined {
+            Some(refined) => Self::from_refined(object, refined),
+            None => Self {
+                positions: object.positions.clone(),
+                normals: if flat {
+                    vertex_face_normals(object)
+                } else {
+                    object.normals.clone()
+                },
+                triangles: object.triangles.clone(),
+                unknown: Vec::new(),
+                refined: None,
+            },
+        })
+    }
+
+    fn from_refined(object: &super::scene::Object, refined: RefinedMesh) -> Self {
+        let normals = if object.normals.is_empty() {
+            refined.interpolate(&object.triangles, |t, _| {
+                face_normal(t.map(|v| object.positions[v as usize]))
+            })
+        } else {
+            refined.interpolate(&object.triangles, |t, w| {
+                let [a, b, c] = t.map(|v| object.normals[v as usize]);
+                (a * w.x + b * w.y + c * w.z).try_normalize().unwrap_or(a)
+            })
+        };
+        Self {
+            positions: refined.positions(&object.positions, &object.triangles),
+            normals,
+            triangles: refined.triangles.clone(),
+            unknown: Vec::new(),
+            refined: Some(refined),
+        }
+    }
+
+    /// Corners of a triangle.
+    pub(crate) fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.triangles[triangle].map(|v| self.positions[v as usize])
+    }
+}
+
+/// Normals of a flat-shaded mesh whose vertices are not shared between faces of other directions.
+fn vertex_face_normals(object: &super::scene::Object) -> Vec<Vec3> {
+    let mut normals = vec![Vec3::ZERO; object.positions.len()];
+    for t in &object.triangles {
+        let normal = face_normal(t.map(|v| object.positions[v as usize]));
+        for &v in t {
+            normals[v as usize] = normal;
+        }
+    }
+    normals
+}
+
+pub(crate) fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    (b - a)
+        .as_dvec3()
+        .cross((c - a).as_dvec3())
+        .normalize_or_zero()
+        .as_vec3()
+}
+
+/// Numbers the unknowns: one for each group of vertices of one place and one normal.
+fn share_unknowns(meshes: &mut [ReceiverMesh]) -> usize {
+    let positions: Vec<Vec3> = meshes
+        .iter()
+        .flat_map(|m| m.positions.iter().copied())
+        .collect();
+    let classes = PositionClasses::new(positions.iter().copied(), OFFSET);
+    // The normals met so far at each place, with their unknown.
+    let mut at_place: HashMap<u32, Vec<(Vec3, u32)>> = HashMap::with_capacity(positions.len());
+    let (mut next, mut i) = (0, 0);
+    for mesh in meshes {
+        mesh.unknown = Vec::with_capacity(mesh.positions.len());
+        for &normal in &mesh.normals {
+            let here = at_place.entry(classes.class[i]).or_default();
+            let known = here
+                .iter()
+                .find(|(n, _)| n.dot(normal) > SAME_NORMAL)
+                .map(|&(_, u)| u);
+            let unknown = known.unwrap_or_else(|| {
+                here.push((normal, next));
+                next += 1;
+                next - 1
+            });
+            mesh.unknown.push(unknown);
+            i += 1;
+        }
+    }
+    next as usize
+}

@@ -1,0 +1,529 @@
+use std::collections::HashSet;
+
+use glam::{DVec3, Vec3};
+
+use super::light::{Light, LightKind};
+use super::scene::{Material, Object, Scene, Texture, TextureRef};
+
+/// Why a scene cannot be baked. Each message names the thing and the cure.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// There is no triangle with an area.
+    #[error(
+        "the scene has no triangles to bake: add a mesh, or check that the file's default scene shows one"
+    )]
+    Empty,
+    /// Nothing emits light, so every vertex would be black.
+    #[error(
+        "nothing in the scene emits light: add a point, spot or directional light, an emissive \
+         material or a sky (`--sky`)"
+    )]
+    NoLight,
+    /// A vertex that a triangle uses is NaN or infinite.
+    #[error(
+        "object \"{object}\", triangle {triangle}: the position of vertex {vertex} is {position}, which is not finite: repair the mesh in the program that made it"
+    )]
+    PositionNotFinite {
+        /// Name of the object.
+        object: String,
+        /// Index of the triangle.
+        triangle: usize,
+        /// Index of the vertex.
+        vertex: u32,
+        /// What was found.
+        position: Vec3,
+    },
+    /// A triangle refers to a vertex that is not there.
+    #[error(
+        "object \"{object}\", triangle {triangle}: vertex {vertex} does not exist, there are {vertices}: the index buffer is damaged, export the mesh again"
+    )]
+    IndexOutOfRange {
+        /// Name of the object.
+        object: String,
+        /// Index of the triangle.
+        triangle: usize,
+        /// Index of the vertex.
+        vertex: u32,
+        /// Number of vertices of the object.
+        vertices: usize,
+    },
+    /// A vertex attribute has another length than the positions.
+    #[error(
+        "object \"{object}\": {attribute} has {found} entries for {vertices} vertices: give one per vertex, or none"
+    )]
+    AttributeLength {
+        /// Name of the object.
+        object: String,
+        /// Which attribute.
+        attribute: String,
+        /// Its length.
+        found: usize,
+        /// Number of vertices of the object.
+        vertices: usize,
+    },
+    /// An object, material or texture reference points nowhere.
+    #[error("{user} refers to {target} {index}, which does not exist")]
+    MissingReference {
+        /// Who refers.
+        user: String,
+        /// What kind of thing is missing.
+        target: &'static str,
+        /// Its index.
+        index: u32,
+    },
+    /// A number of a material, light or sky is NaN or infinite.
+    #[error("{thing}: {property} is not finite: give it a number")]
+    NumberNotFinite {
+        /// Which material or light.
+        thing: String,
+        /// Which of its properties.
+        property: &'static str,
+    },
+    /// The scene's extent does not fit the number range.
+    #[error("the scene is {extent:e} m across, outside 1e-15..1e15: scale it")]
+    Extent {
+        /// Largest extent in metres.
+        extent: f64,
+    },
+}
+
+/// A [`Scene`] that can be baked: indices in range, numbers finite, something to light and
+/// something that lights it. Made by [`Scene::validate`] alone.
+///
+/// Inside, positions are centred and scaled by a power of two to ±[`HALF_EXTENT`], so that one epsilon fits
+/// every scene and scenes far from the origin keep their precision.
+#[derive(Clone, Debug)]
+pub struct ValidScene {
+    pub(crate) objects: Vec<Object>,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) textures: Vec<Texture>,
+    pub(crate) lights: Vec<Light>,
+    pub(crate) sky: Vec3,
+    /// Metres per internal unit, a power of two.
+    pub(crate) scale: f32,
+    /// World position of the internal origin, in metres.
+    pub(crate) center: DVec3,
+    /// Triangles that block and receive light: not degenerate, no duplicates.
+    pub(crate) triangles: Vec<TriangleKey>,
+    pub(crate) notes: Vec<String>,
+}
+
+/// Which triangle of which object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct TriangleKey {
+    pub(crate) object: u32,
+    pub(crate) triangle: u32,
+}
+
+/// Internal positions lie in −`HALF_EXTENT`..`HALF_EXTENT`: far enough above the box epsilon of the
+/// ray-tracing hierarchy (10⁻⁴) that surfaces may stand 10⁻⁶ of the scene apart.
+pub(crate) const HALF_EXTENT: f32 = 1024.0;
+
+/// Reflectance above this is taken for a mistake in the material, not for snow.
+const BRIGHTEST: f32 = 1.0;
+
+impl ValidScene {
+    /// What was mended, one sentence each.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Centre and largest extent of the scene in metres.
+    pub fn bounds(&self) -> (DVec3, f64) {
+        (self.center, 2.0 * f64::from(HALF_EXTENT * self.scale))
+    }
+
+    /// Number of triangles that block light.
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Corners of a live triangle in internal units.
+    pub(crate) fn corners(&self, key: TriangleKey) -> [Vec3; 3] {
+        let object = &self.objects[key.object as usize];
+        object.triangles[key.triangle as usize].map(|v| object.positions[v as usize])
+    }
+
+    pub(crate) fn material(&self, key: TriangleKey) -> &Material {
+        let object = &self.objects[key.object as usize];
+        &self.materials[object.material.0 as usize]
+    }
+
+    /// From a world position in metres to internal units.
+    pub(crate) fn to_internal(&self, world: DVec3) -> Vec3 {
+        ((world - self.center) / f64::from(self.scale)).as_vec3()
+    }
+}
+
+impl Scene {
+    /// Checks everything a bake relies on, and mends what can be mended.
+    ///
+    /// Mended and counted in [`ValidScene::notes`]: triangles without area, triangles that occur
+    /// twice, unusable normals, base colours outside 0..1, negative light.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`] names the object, the triangle and the cause.
+    pub fn validate(self) -> Result<ValidScene, SceneError> {
+        check_references(&self)?;
+        check_numbers(&self)?;
+        let mut notes = Vec::new();
+        let (center, scale) = frame(&self)?;
+        let mut scene = ValidScene {
+            center: self.origin + center,
+            scale,
+            objects: self.objects,
+            materials: self.materials,
+            textures: self.textures,
+            lights: self.lights,
+            sky: self.sky,
+            triangles: Vec::new(),
+            notes: Vec::new(),
+        };
+        normalise_frame(&mut scene, center);
+        mend_materials(&mut scene, &mut notes);
+        mend_lights(&mut scene, &mut notes);
+        mend_normals(&mut scene, &mut notes);
+        scene.triangles = live_triangles(&scene, &mut notes);
+        if scene.triangles.is_empty() {
+            return Err(SceneError::Empty);
+        }
+        if !shines(&scene) {
+            return Err(SceneError::NoLight);
+        }
+        scene.notes = notes;
+        Ok(scene)
+    }
+}
+
+fn check_references(scene: &Scene) -> Result<(), SceneError> {
+    for object in &scene.objects {
+        check_attributes(object)?;
+        if object.material.0 as usize >= scene.materials.len() {
+            return Err(SceneError::MissingReference {
+                user: format!("object \"{}\"", object.name),
+                target: "material",
+                index: object.material.0,
+            });
+        }
+        for (triangle, corners) in object.triangles.iter().enumerate() {
+            for &vertex in corners {
+                let Some(&position) = object.positions.get(vertex as usize) else {
+                    return Err(SceneError::IndexOutOfRange {
+                        object: object.name.clone(),
+                        triangle,
+                        vertex,
+                        vertices: object.positions.len(),
+                    });
+                };
+                if !position.is_finite() {
+                    return Err(SceneError::PositionNotFinite {
+                        object: object.name.clone(),
+                        triangle,
+                        vertex,
+                        position,
+                    });
+                }
+            }
+        }
+    }
+    for material in &scene.materials {
+        for texture in texture_refs(material) {
+            let known = scene.textures.get(texture.texture.0 as usize);
+            if known.is_none_or(|t| {
+                t.texels.len() != t.width as usize * t.height as usize || t.texels.is_empty()
+            }) {
+                return Err(SceneError::MissingReference {
+                    user: format!("material \"{}\"", material.name),
+                    target: "texture",
+                    index: texture.texture.0,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_attributes(object: &Object) -> Result<(), SceneError> {
+    let vertices = object.positions.len();
+    let length = |attribute: String, found: usize| {
+        if found == 0 || found == vertices {
+            return Ok(());
+        }
+        Err(SceneError::AttributeLength {
+            object: object.name.clone(),
+            attribute,
+            found,
+            vertices,
+        })
+    };
+    length("normals".into(), object.normals.len())?;
+    length("colors".into(), object.colors.len())?;
+    for (set, uvs) in object.uvs.iter().enumerate() {
+        length(format!("uvs[{set}]"), uvs.len())?;
+    }
+    Ok(())
+}
+
+fn texture_refs(material: &Material) -> impl Iterator<Item = &TextureRef> {
+    [
+        &material.base_color_texture,
+        &material.metallic_texture,
+        &material.emissive_texture,
+    ]
+    .into_iter()
+    .flatten()
+}
+
+fn check_numbers(scene: &Scene) -> Result<(), SceneError> {
+    let finite = |ok: bool, thing: &dyn Fn() -> String, property| {
+        if ok {
+            return Ok(());
+        }
+        Err(SceneError::NumberNotFinite {
+            thing: thing(),
+            property,
+        })
+    };
+    finite(scene.sky.is_finite(), &|| "the sky".into(), "its radiance")?;
+    finite(
+        scene.origin.is_finite(),
+        &|| "the scene".into(),
+        "its origin",
+    )?;
+    for m in &scene.materials {
+        let thing = || format!("material \"{}\"", m.name);
+        finite(m.base_color.is_finite(), &thing, "the base colour")?;
+        finite(m.metallic.is_finite(), &thing, "metallic")?;
+        finite(m.emissive.is_finite(), &thing, "the emissive colour")?;
+    }
+    for light in &scene.lights {
+        let thing = || format!("light \"{}\"", light.name);
+        finite(light.power.is_finite(), &thing, "the power")?;
+        match light.kind {
+            LightKind::Point { position, range } => {
+                finite(position.is_finite(), &thing, "the position")?;
+                finite(!range.is_nan(), &thing, "the range")?;
+            }
+            LightKind::Spot {
+                position,
+                direction,
+                inner_angle,
+                outer_angle,
+                range,
+            } => {
+                finite(position.is_finite(), &thing, "the position")?;
+                finite(usable(direction), &thing, "the direction")?;
+                finite(
+                    (inner_angle + outer_angle).is_finite(),
+                    &thing,
+                    "the cone angle",
+                )?;
+                finite(!range.is_nan(), &thing, "the range")?;
+            }
+            LightKind::Directional { direction } => {
+                finite(usable(direction), &thing, "the direction")?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether a vector has a direction.
+fn usable(v: Vec3) -> bool {
+    v.is_finite() && v.as_dvec3().length() > 1e-30
+}
+
+/// Centre of the used vertices, relative to the scene's origin, and metres per internal unit.
+fn frame(scene: &Scene) -> Result<(DVec3, f32), SceneError> {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for object in &scene.objects {
+        for &v in object.triangles.iter().flatten() {
+            let p = object.positions[v as usize].as_dvec3();
+            low = low.min(p);
+            high = high.max(p);
+        }
+    }
+    if low.x > high.x {
+        return Err(SceneError::Empty);
+    }
+    let extent = (high - low).max_element();
+    if extent == 0.0 {
+        return Err(SceneError::Empty);
+    }
+    if !(1e-15..=1e15).contains(&extent) {
+        return Err(SceneError::Extent { extent });
+    }
+    // A power of two: scaling by it loses no bits.
+    let scale = (0.5 * extent).log2().ceil().exp2() / f64::from(HALF_EXTENT);
+    Ok(((low + high) * 0.5, scale as f32))
+}
+
+fn normalise_frame(scene: &mut ValidScene, center: DVec3) {
+    let inverse = 1.0 / f64::from(scene.scale);
+    let to_internal = |p: Vec3| ((p.as_dvec3() - center) * inverse).as_vec3();
+    for object in &mut scene.objects {
+        for p in &mut object.positions {
+            *p = to_internal(*p);
+        }
+    }
+    // Intensities fall with the square of a distance that is now counted in other units.
+    let inverse_square = (inverse * inverse) as f32;
+    for light in &mut scene.lights {
+        match &mut light.kind {
+            LightKind::Point { position, range }
+            | LightKind::Spot {
+                position, range, ..
+            } => {
+                *position = to_internal(*position);
+                *range *= inverse as f32;
+                light.power *= inverse_square;
+            }
+            LightKind::Directional { .. } => {}
+        }
+    }
+}
+
+fn mend_materials(scene: &mut ValidScene, notes: &mut Vec<String>) {
+    for m in &mut scene.materials {
+        let color = m
+            .base_color
+            .clamp(glam::Vec4::ZERO, glam::Vec4::splat(BRIGHTEST));
+        if color != m.base_color {
+            notes.push(format!(
+                "material \"{}\": base colour {} lies outside 0..1 and was clamped",
+                m.name, m.base_color
+            ));
+            m.base_color = color;
+        }
+        m.metallic = m.metallic.clamp(0.0, 1.0);
+        if m.emissive.min_element() < 0.0 {
+            notes.push(format!(
+                "material \"{}\": negative emission was set to 0",
+                m.name
+            ));
+            m.emissive = m.emissive.max(Vec3::ZERO);
+        }
+    }
+}
+
+fn mend_lights(scene: &mut ValidScene, notes: &mut Vec<String>) {
+    if scene.sky.min_element() < 0.0 {
+        notes.push("the sky: negative radiance was set to 0".into());
+        scene.sky = scene.sky.max(Vec3::ZERO);
+    }
+    for light in &mut scene.lights {
+        if light.power.min_element() < 0.0 {
+            notes.push(format!(
+                "light \"{}\": negative power was set to 0",
+                light.name
+            ));
+            light.power = light.power.max(Vec3::ZERO);
+        }
+        match &mut light.kind {
+            LightKind::Spot { direction, .. } | LightKind::Directional { direction } => {
+                *direction = direction.as_dvec3().normalize().as_vec3();
+            }
+            LightKind::Point { .. } => {}
+        }
+    }
+}
+
+/// Makes normals unit length; unusable ones become those of the triangles around.
+fn mend_normals(scene: &mut ValidScene, notes: &mut Vec<String>) {
+    for object in &mut scene.objects {
+        let mut bad = 0;
+        let mut around: Option<Vec<DVec3>> = None;
+        for v in 0..object.normals.len() {
+            if usable(object.normals[v]) {
+                object.normals[v] = object.normals[v].as_dvec3().normalize().as_vec3();
+                continue;
+            }
+            bad += 1;
+            let around = around.get_or_insert_with(|| area_weighted_normals(object));
+            object.normals[v] = around[v].try_normalize().unwrap_or(DVec3::Y).as_vec3();
+        }
+        if bad > 0 {
+            notes.push(format!(
+                "object \"{}\": {bad} normals of no direction were replaced by those of the triangles around",
+                object.name
+            ));
+        }
+    }
+}
+
+fn area_weighted_normals(object: &Object) -> Vec<DVec3> {
+    let mut sums = vec![DVec3::ZERO; object.positions.len()];
+    for t in &object.triangles {
+        let [a, b, c] = t.map(|v| object.positions[v as usize].as_dvec3());
+        let normal = (b - a).cross(c - a);
+        for &v in t {
+            sums[v as usize] += normal;
+        }
+    }
+    sums
+}
+
+/// The triangles that have an area and occur once.
+fn live_triangles(scene: &ValidScene, notes: &mut Vec<String>) -> Vec<TriangleKey> {
+    let mut live = Vec::new();
+    let mut seen = HashSet::new();
+    for (o, object) in scene.objects.iter().enumerate() {
+        let (mut flat, mut twice) = (0, 0);
+        for (t, corners) in object.triangles.iter().enumerate() {
+            let p = corners.map(|v| object.positions[v as usize]);
+            if !has_area(p) {
+                flat += 1;
+            } else if !seen.insert(position_key(p)) {
+                twice += 1;
+            } else {
+                live.push(TriangleKey {
+                    object: o as u32,
+                    triangle: t as u32,
+                });
+            }
+        }
+        if flat > 0 {
+            notes.push(format!(
+                "object \"{}\": {flat} triangles without area were left out",
+                object.name
+            ));
+        }
+        if twice > 0 {
+            notes.push(format!(
+                "object \"{}\": {twice} triangles that occur twice at the same place were counted once",
+                object.name
+            ));
+        }
+    }
+    live
+}
+
+/// Whether a triangle's area stands above the rounding of its own corners.
+fn has_area([a, b, c]: [Vec3; 3]) -> bool {
+    let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
+    let longest = (b - a)
+        .length_squared()
+        .max((c - b).length_squared())
+        .max((a - c).length_squared());
+    let double_area = (b - a).cross(c - a).length();
+    // A height below 1e-7 of the scene is what the rounding of a straight line leaves.
+    double_area > 1e-7 * f64::from(HALF_EXTENT) * longest.sqrt() && double_area > 1e-9 * longest
+}
+
+/// Equal for triangles of equal corners and equal winding.
+fn position_key(p: [Vec3; 3]) -> [[u32; 3]; 3] {
+    let bits = p.map(|v| (v + Vec3::ZERO).to_array().map(f32::to_bits));
+    let first = (0..3).min_by_key(|&i| bits[i]).unwrap_or(0);
+    [bits[first], bits[(first + 1) % 3], bits[(first + 2) % 3]]
+}
+
+fn shines(scene: &ValidScene) -> bool {
+    scene.sky.max_element() > 0.0
+        || scene.lights.iter().any(|l| l.power.max_element() > 0.0)
+        || scene.triangles.iter().any(|&t| {
+            let m = scene.material(t);
+            m.emissive.max_element() > 0.0 && !m.unlit
+        })
+}
