@@ -1,5 +1,47 @@
 //! Meshes as pure geometry: refinement that keeps shared edges together, position classes.
+//!
+//! Light baked into vertices is only as fine as the vertices are. [`split_long_edges`] puts more
+//! of them in, and must not tear the surface: where one triangle has a vertex on an edge and its
+//! neighbour has none (a T-junction), the two interpolate different light along it and a crack
+//! shows.
+//!
+//! So edges decide, not triangles: an edge longer than the limit is bisected, and whether it is
+//! follows from its two end positions alone. Every triangle that has the edge then finds the same
+//! points on it, down to the bit, though the triangles may be of different meshes and share no
+//! vertex index. A triangle is cut to match the edges that are marked, and its parts go round
+//! again:
+//!
+//! ```text
+//!   one: 2 parts        two: 3 parts         three: 4 parts
+//!
+//!         c                   a                    c
+//!        /|\                 / \                  / \
+//!       / | \               m---n                n---o
+//!      /  |  \             /  .' \              / \ / \
+//!     a---m---b           b-------c            a---m---b
+//! ```
+//!
+//! Of the two diagonals in the middle picture the shorter is taken. It is the median to the
+//! longest edge, so the first two templates are one and two steps of longest-edge bisection, and
+//! the third makes four copies of the triangle at half the size. Longest-edge bisection, however
+//! often, leaves no angle below half the smallest at the start (I. Rosenberg and F. Stenger, "A
+//! lower bound on the angles of triangles constructed by bisection of the longest side",
+//! Mathematics of Computation 29, 1975): thin triangles get no thinner than that.
+//!
+//! [`split_flat_corners`] is for meshes without normals, and comes before the splitting of edges;
+//! [`RefinedMesh::then`] makes one refinement of the two. [`PositionClasses`] finds the vertices
+//! that are one point of the surface.
+//!
+//! Nothing here knows about materials, light or files.
 
+mod flat;
 mod refined;
+mod split;
+#[cfg(test)]
+mod test_meshes;
+mod weld;
 
+pub use flat::split_flat_corners;
 pub use refined::{RefinedMesh, SurfacePoint};
+pub use split::{SplitError, split_long_edges};
+pub use weld::PositionClasses;
