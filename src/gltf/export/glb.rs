@@ -310,7 +310,7 @@ mod tests {
     fn gltf_glb_length_is_limited() {
         assert_eq!(glb_length(1, 0), Some(24));
         assert_eq!(glb_length(4, 5), Some(40));
-        assert_eq!(glb_length(4, 0xffff_ffe0 - 4), Some(0xffff_fff8));
+        assert_eq!(glb_length(4, 0xffff_ffe0 - 4), Some(0xffff_fffc));
         assert_eq!(glb_length(4, 0xffff_fff0), None);
     }
 

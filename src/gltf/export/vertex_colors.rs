@@ -56,7 +56,7 @@ impl Painter {
             self.painted += 1;
             self.clamped += usize::from(exact.iter().any(|&value| value > 1.0));
             values.extend(exact.map(|value| number(value).clamp(0.0, 1.0)));
-            values.extend(alpha.map(|old| number(old.element(vertex)[3])));
+            values.extend(alpha.map(|old| number(old.element(vertex)[3]).clamp(0.0, 1.0)));
         }
         Some(AccessorData { kind, values })
     }
