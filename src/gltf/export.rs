@@ -1,5 +1,6 @@
 //! Writes a document back as one `.glb`, with the baked light in it.
 
+mod earlier;
 mod glb;
 mod images;
 mod instances;
@@ -11,7 +12,7 @@ mod refine;
 mod skin;
 mod vertex_colors;
 
-use self::{glb::Glb, vertex_colors::Painter};
+use self::{earlier::EarlierLight, glb::Glb, vertex_colors::Painter};
 use super::{Document, GltfError, PrimitiveKey};
 use crate::radiosity::{DirectLight, ObjectLight};
 
@@ -78,8 +79,9 @@ pub fn to_glb(
         LightEncoding::Attribute => None,
         LightEncoding::VertexColors { exposure } => Some(Painter::new(&glb, &targets, exposure)?),
     };
+    let earlier = EarlierLight::find(&glb);
     for (&target, baked) in targets.iter().zip(baked) {
-        primitive::write_primitive(&mut glb, target, baked, painter.as_mut())?;
+        primitive::write_primitive(&mut glb, target, baked, &earlier, painter.as_mut())?;
     }
     if let Some(painter) = painter {
         painter.finish(&mut glb);

@@ -1,6 +1,6 @@
 //! The file in the making: one JSON document and one binary chunk, to which things are appended.
 
-use std::path::PathBuf;
+use std::{ops::Range, path::PathBuf};
 
 use serde_json::{Map, Value, json};
 
@@ -14,6 +14,16 @@ use crate::gltf::{
 pub(super) const ARRAY_BUFFER: u32 = 34962;
 /// Target of buffer views with vertex indices.
 pub(super) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+/// Lists that the exporter appends to.
+const LISTS: [&str; 6] = [
+    "accessors",
+    "bufferViews",
+    "buffers",
+    "extensionsUsed",
+    "materials",
+    "meshes",
+];
 
 /// A glTF document whose buffers are one.
 ///
@@ -42,6 +52,7 @@ impl Glb {
             notes: Vec::new(),
             bin: Vec::new(),
         };
+        glb.check_lists()?;
         let starts = glb.join_buffers(&document.buffers)?;
         let views = glb
             .json
@@ -53,6 +64,19 @@ impl Glb {
             }
         }
         Ok(glb)
+    }
+
+    /// What is appended to must be a list.
+    fn check_lists(&self) -> Result<(), GltfError> {
+        for name in LISTS {
+            if self.json.get(name).is_some_and(|list| !list.is_array()) {
+                return Err(self.invalid(format!("{name} is not a list")));
+            }
+        }
+        match self.json.is_object() && self.json["asset"].is_object() {
+            true => Ok(()),
+            false => Err(self.invalid("it has no asset".to_owned())),
+        }
     }
 
     /// Appends all buffers to the binary chunk; returns where each begins.
@@ -123,6 +147,18 @@ impl Glb {
             accessor["max"] = max.into();
         }
         self.push("accessors", accessor)
+    }
+
+    /// Writes over bytes that are there already; false if the length differs.
+    pub(super) fn overwrite(&mut self, range: Range<usize>, numbers: &Numbers) -> bool {
+        let bytes = numbers.to_bytes();
+        match self.bin.get_mut(range) {
+            Some(place) if place.len() == bytes.len() => {
+                place.copy_from_slice(&bytes);
+                true
+            }
+            _ => false,
+        }
     }
 
     /// Appends to one of the document's lists and returns the index.

@@ -10,6 +10,8 @@ use super::{
 };
 
 const UNLIT: &str = "KHR_materials_unlit";
+/// Where a primitive lists its other materials.
+const VARIANTS: &str = "/extensions/KHR_materials_variants/mappings";
 
 /// What moves from the material into the vertex colours because unlit materials do not emit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,12 +74,12 @@ impl UnlitMaterials {
         let folded = folded(&original);
         let unlit = self.unlit(glb, material, folded);
         target.of_mut(&mut glb.json)["material"] = unlit.into();
-        let mappings = "/extensions/KHR_materials_variants/mappings";
-        let variants = primitive.pointer(mappings).and_then(Value::as_array);
+        let variants = primitive.pointer(VARIANTS).and_then(Value::as_array);
         for (index, variant) in variants.into_iter().flatten().enumerate() {
             let unlit = self.unlit(glb, index_of(&variant["material"]), None);
-            if let Some(variants) = target.of_mut(&mut glb.json).pointer_mut(mappings) {
-                variants[index]["material"] = unlit.into();
+            let path = format!("{VARIANTS}/{index}/material");
+            if let Some(material) = target.of_mut(&mut glb.json).pointer_mut(&path) {
+                *material = unlit.into();
             }
         }
         Some(folded)
@@ -142,7 +144,7 @@ fn note_lost_emission(
 }
 
 fn materials_of(primitive: &Value) -> impl Iterator<Item = usize> {
-    let variants = primitive.pointer("/extensions/KHR_materials_variants/mappings");
+    let variants = primitive.pointer(VARIANTS);
     let variants = variants.and_then(Value::as_array).into_iter().flatten();
     std::iter::once(primitive)
         .chain(variants)

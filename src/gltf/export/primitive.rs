@@ -5,6 +5,7 @@ use serde_json::{Map, Value};
 
 use super::{
     BakedPrimitive,
+    earlier::EarlierLight,
     glb::{ARRAY_BUFFER, Glb, Numbers, object_mut},
     instances::Target,
     refine,
@@ -16,7 +17,7 @@ use crate::gltf::{
 };
 
 /// The vertex attribute that carries baked light: irradiance / π, linear RGB.
-const BAKED_LIGHT: &str = "_BAKED_LIGHT";
+pub(super) const BAKED_LIGHT: &str = "_BAKED_LIGHT";
 /// The vertex attribute that multiplies the base colour.
 const COLOR: &str = "COLOR_0";
 
@@ -28,6 +29,7 @@ pub(super) fn write_primitive(
     glb: &mut Glb,
     target: Target,
     baked: &BakedPrimitive<'_>,
+    earlier: &EarlierLight,
     painter: Option<&mut Painter>,
 ) -> Result<(), GltfError> {
     let primitive = target.of(&glb.json).clone();
@@ -50,7 +52,7 @@ pub(super) fn write_primitive(
             attributes.shift_remove(BAKED_LIGHT);
         }
     } else {
-        attributes.push((BAKED_LIGHT.to_owned(), light_data(light)));
+        write_light(glb, target, earlier, light);
     }
     for (name, data) in attributes {
         let accessor = push_attribute(glb, &name, &data);
@@ -59,6 +61,22 @@ pub(super) fn write_primitive(
         }
     }
     Ok(())
+}
+
+/// Writes light as an attribute, over that of an earlier bake where it can.
+fn write_light(glb: &mut Glb, target: Target, earlier: &EarlierLight, light: &[Vec3]) {
+    let numbers = light.iter().flat_map(|light| light.to_array()).collect();
+    let numbers = Numbers::Float(numbers);
+    let old = whole(&target.of(&glb.json)["attributes"], BAKED_LIGHT);
+    if let Ok(Some(old)) = old
+        && earlier.overwrite(glb, old, &numbers)
+    {
+        return;
+    }
+    let accessor = glb.push_accessor(ElementKind::VEC3, &numbers, ARRAY_BUFFER, false);
+    if let Some(attributes) = attributes_mut(glb, target) {
+        attributes.insert(BAKED_LIGHT.to_owned(), accessor.into());
+    }
 }
 
 /// The accessors of a primitive's attributes, in the order of the file; baked light of an earlier
@@ -116,14 +134,6 @@ fn old_colors(
 
 fn attributes_mut(glb: &mut Glb, target: Target) -> Option<&mut Map<String, Value>> {
     object_mut(target.of_mut(&mut glb.json), "attributes")
-}
-
-fn light_data(light: &[Vec3]) -> AccessorData {
-    let numbers = light.iter().flat_map(|light| light.to_array());
-    AccessorData {
-        kind: ElementKind::VEC3,
-        values: numbers.map(f64::from).collect(),
-    }
 }
 
 /// Light must be finite and belong to the vertices it comes with.
