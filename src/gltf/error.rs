@@ -39,4 +39,12 @@ pub enum GltfError {
         /// The extension's name.
         extension: String,
     },
+    /// The baked light cannot be written into the file.
+    #[error("cannot export {path} with its light: {reason}")]
+    Export {
+        /// Which file the scene came from.
+        path: PathBuf,
+        /// What does not fit.
+        reason: String,
+    },
 }
