@@ -84,6 +84,12 @@ pub fn split_long_edges(
     if !(max_edge.is_finite() && max_edge > 0.0) {
         return Err(SplitError::InvalidMaxEdge(max_edge));
     }
+    if fewest_vertices(positions, triangles, max_edge) > max_vertices as f64 {
+        return Err(SplitError::TooManyVertices {
+            limit: max_vertices,
+            max_edge,
+        });
+    }
     let (mesh, new_index) = RefinedMesh::with_used_vertices(positions.len(), triangles);
     let mut splitter = Splitter {
         max_edge,
@@ -97,6 +103,21 @@ pub fn split_long_edges(
         splitter.split(source as u32, vertices)?;
     }
     Ok(splitter.mesh)
+}
+
+/// A number of vertices that splitting is sure to exceed, known before it starts; 0 for a mesh
+/// without long edges.
+///
+/// A triangle whose edges are at most `L` long has at most the area `√3/4 L²` of an equilateral
+/// one, and a mesh has at least a quarter as many vertices as triangles (half as many if closed).
+fn fewest_vertices(positions: &[Vec3], triangles: &[[u32; 3]], max_edge: f32) -> f64 {
+    let largest = 0.25 * 3.0_f64.sqrt() * f64::from(max_edge).powi(2);
+    let pieces = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|vertex| positions[vertex as usize].as_dvec3());
+        let pieces = 0.5 * (b - a).cross(c - a).length() / largest;
+        if pieces > 1.0 { pieces } else { 0.0 }
+    };
+    0.25 * triangles.iter().map(pieces).sum::<f64>()
 }
 
 struct Splitter {

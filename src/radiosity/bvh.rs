@@ -316,3 +316,139 @@ impl Ray {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::radiosity::sampling::{cosine_hemisphere, frame, sobol};
+
+    fn nearest(bvh: &Bvh, origin: Vec3, direction: Vec3) -> Option<Crossing> {
+        let mut best: Option<Crossing> = None;
+        bvh.traverse(&Ray::new(origin, direction), f32::INFINITY, |c| {
+            best = Some(c);
+            c.distance
+        });
+        best
+    }
+
+    /// A direction of any way from two numbers in 0..1.
+    fn anywhere(u: f32, v: f32, flip: bool) -> Vec3 {
+        let d = frame(Vec3::new(0.3, -0.5, 0.8).normalize()) * cosine_hemisphere(u, v);
+        if flip { -d } else { d }
+    }
+
+    /// A sphere of flat triangles, wound to face outwards.
+    fn sphere(n: u32, radius: f32) -> Vec<[Vec3; 3]> {
+        let point = |i: u32, j: u32| {
+            let (theta, phi) = (
+                std::f32::consts::PI * i as f32 / n as f32,
+                std::f32::consts::TAU * (j % (2 * n)) as f32 / (2 * n) as f32,
+            );
+            // Poles in one point each, the seam in one line.
+            let ring = if i == 0 || i == n { 0.0 } else { theta.sin() };
+            Vec3::new(ring * phi.cos(), theta.cos(), ring * phi.sin()) * radius
+        };
+        let mut triangles = Vec::new();
+        for i in 0..n {
+            for j in 0..2 * n {
+                let (a, b, c, d) = (
+                    point(i, j),
+                    point(i + 1, j),
+                    point(i + 1, j + 1),
+                    point(i, j + 1),
+                );
+                if i > 0 {
+                    triangles.push([a, c, d]);
+                }
+                if i + 1 < n {
+                    triangles.push([a, b, c]);
+                }
+            }
+        }
+        triangles.into_iter().map(|[a, b, c]| [a, c, b]).collect()
+    }
+
+    #[test]
+    fn front_and_back_follow_the_winding() {
+        let bvh = Bvh::new(&[[Vec3::ZERO, Vec3::X, Vec3::Y]]);
+        for (from, way, back) in [(1.0, -1.0, false), (-1.0, 1.0, true)] {
+            let hit = nearest(&bvh, Vec3::new(0.2, 0.3, from), Vec3::Z * way).unwrap();
+            assert_eq!(hit.back, back);
+            assert!((hit.distance - 1.0).abs() < 1e-6);
+            assert!((hit.uv[0] - 0.2).abs() < 1e-6 && (hit.uv[1] - 0.3).abs() < 1e-6);
+        }
+        assert!(nearest(&bvh, Vec3::new(0.6, 0.6, 1.0), -Vec3::Z).is_none());
+        assert!(nearest(&bvh, Vec3::new(0.2, 0.2, 1.0), Vec3::Z).is_none());
+    }
+
+    #[test]
+    fn every_ray_agrees_with_trying_all_triangles() {
+        let mut corners = sphere(12, 700.0);
+        corners.extend(
+            sphere(9, 300.0)
+                .into_iter()
+                .map(|t| t.map(|p| p + Vec3::new(100.0, 50.0, -80.0))),
+        );
+        let bvh = Bvh::new(&corners);
+        let singles: Vec<Bvh> = corners.iter().map(|t| Bvh::new(&[*t])).collect();
+        for i in 0..2_000 {
+            let [u, v, s, t] = sobol(i, 0, 1);
+            let origin = Vec3::new(u - 0.5, v - 0.5, s - 0.5) * 1200.0;
+            let direction = anywhere(t, u, i % 2 == 0);
+            let expected = singles
+                .iter()
+                .filter_map(|one| nearest(one, origin, direction))
+                .map(|c| c.distance)
+                .fold(f32::INFINITY, f32::min);
+            let found = nearest(&bvh, origin, direction).map_or(f32::INFINITY, |c| c.distance);
+            assert_eq!(found, expected, "ray {i}");
+        }
+    }
+
+    #[test]
+    fn closed_surfaces_are_watertight() {
+        let bvh = Bvh::new(&sphere(24, 1000.0));
+        let corners = sphere(24, 1000.0);
+        for i in 0..300_000 {
+            let [u, v, s, t] = sobol(i % 65_536, i / 65_536, 5);
+            let origin = Vec3::new(u - 0.5, v - 0.5, s - 0.5) * 900.0;
+            // Every third ray aims at a corner or an edge, where cracks would be.
+            let triangle = corners[i as usize % corners.len()];
+            let direction = match i % 3 {
+                0 => (triangle[0] - origin).normalize(),
+                1 => (triangle[0].lerp(triangle[1], t) - origin).normalize(),
+                _ => anywhere(t, u, i % 2 == 0),
+            };
+            assert!(
+                nearest(&bvh, origin, direction).is_some(),
+                "ray {i} from {origin} along {direction} leaked"
+            );
+        }
+    }
+
+    #[test]
+    fn axis_aligned_rays_meet_flat_boxes() {
+        let wall = |z: f32| {
+            [[
+                Vec3::new(-9.0, -9.0, z),
+                Vec3::new(9.0, -9.0, z),
+                Vec3::new(0.0, 9.0, z),
+            ]; 1]
+        };
+        let corners: Vec<[Vec3; 3]> = (0..40).flat_map(|i| wall(i as f32)).collect();
+        let bvh = Bvh::new(&corners);
+        for i in 0..39 {
+            let hit = nearest(&bvh, Vec3::new(0.0, 0.0, i as f32 + 0.5), Vec3::Z).unwrap();
+            assert_eq!(hit.triangle, i + 1);
+            let hit = nearest(&bvh, Vec3::new(0.0, 0.0, i as f32 + 0.5), -Vec3::Z).unwrap();
+            assert_eq!(hit.triangle, i);
+        }
+    }
+
+    #[test]
+    fn thousands_of_triangles_at_one_place_do_not_exhaust_the_stack() {
+        let corners = vec![[Vec3::ZERO, Vec3::X, Vec3::Y]; 5000];
+        let hit = nearest(&Bvh::new(&corners), Vec3::new(0.2, 0.2, 1.0), -Vec3::Z);
+        assert!(hit.is_some());
+    }
+}

@@ -92,6 +92,22 @@ impl Elements {
         builder.elements
     }
 
+    /// Elements without a shape, for tests of the solver.
+    #[cfg(test)]
+    pub(crate) fn for_test(reflectance: Vec<Vec3>, area: Vec<f32>) -> Self {
+        let count = area.len();
+        Self {
+            reflectance,
+            emission: vec![Vec3::ZERO; count],
+            area,
+            coverage: vec![1.0; count],
+            clamped: 0,
+            first_piece: vec![0; count + 1],
+            pieces: Vec::new(),
+            cells: Vec::new(),
+        }
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.area.len()
     }

@@ -7,7 +7,7 @@ use super::validate::ValidScene;
 use crate::mesh::{PositionClasses, RefinedMesh, SplitError, split_flat_corners, split_long_edges};
 
 /// More vertices than this in one bake are taken for a mistake in the edge length.
-const MAX_VERTICES: usize = 50_000_000;
+const MAX_VERTICES: usize = 20_000_000;
 
 /// The meshes that carry the light: the objects' own, or refinements of them.
 pub(crate) struct ReceiverMeshes {
@@ -38,8 +38,11 @@ impl ReceiverMeshes {
     /// texture seams and objects, but not across hard edges.
     pub(crate) fn new(scene: &ValidScene, max_edge: Option<f32>) -> Result<Self, SplitError> {
         let mut meshes = Vec::with_capacity(scene.objects.len());
+        let mut budget = MAX_VERTICES;
         for object in 0..scene.objects.len() {
-            meshes.push(ReceiverMesh::new(scene, object, max_edge)?);
+            let mesh = ReceiverMesh::new(scene, object, max_edge, budget)?;
+            budget = budget.saturating_sub(mesh.positions.len());
+            meshes.push(mesh);
         }
         let unknowns = share_unknowns(&mut meshes);
         Ok(Self { meshes, unknowns })
@@ -51,7 +54,12 @@ impl ReceiverMeshes {
 }
 
 impl ReceiverMesh {
-    fn new(scene: &ValidScene, index: usize, max_edge: Option<f32>) -> Result<Self, SplitError> {
+    fn new(
+        scene: &ValidScene,
+        index: usize,
+        max_edge: Option<f32>,
+        budget: usize,
+    ) -> Result<Self, SplitError> {
         let object = &scene.objects[index];
         let flat = object.normals.is_empty();
         let mut refined: Option<RefinedMesh> = None;
@@ -61,13 +69,10 @@ impl ReceiverMesh {
         if let Some(max_edge) = max_edge {
             let internal = max_edge / scene.scale;
             let split = match &refined {
-                None => {
-                    split_long_edges(&object.positions, &object.triangles, internal, MAX_VERTICES)?
-                }
+                None => split_long_edges(&object.positions, &object.triangles, internal, budget)?,
                 Some(corners) => {
                     let positions = corners.positions(&object.positions, &object.triangles);
-                    let finer =
-                        split_long_edges(&positions, &corners.triangles, internal, MAX_VERTICES)?;
+                    let finer = split_long_edges(&positions, &corners.triangles, internal, budget)?;
                     corners.then(&object.triangles, &finer)
                 }
             };

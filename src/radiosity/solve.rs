@@ -145,3 +145,181 @@ impl System<'_> {
         sum / total.max(f64::MIN_POSITIVE)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::radiosity::sampling::{hash, unit_float};
+
+    /// A random enclosure: `n` elements, rows of hits at random, some open, reflectances up to `brightest`.
+    struct Enclosure {
+        elements: Elements,
+        rows: HitList,
+        direct: Vec<Vec3>,
+        matrix: Vec<Vec<f64>>,
+    }
+
+    impl Enclosure {
+        fn random(seed: u32) -> Self {
+            let random = |a: u32, b: u32| unit_float(hash(hash(seed, a), b));
+            let n = 4 + hash(seed, 1) as usize % 60;
+            let rays = 16 << (hash(seed, 2) % 3);
+            let brightest = [0.5, 0.9, 0.99][seed as usize % 3];
+            let open = [0.0, 0.2][hash(seed, 3) as usize % 2];
+            let reflectance: Vec<Vec3> = (0..n as u32)
+                .map(|e| {
+                    Vec3::new(random(e, 10), random(e, 11), brightest)
+                        * Vec3::new(1.0, 0.5, 1.0).min(Vec3::splat(brightest))
+                })
+                .collect();
+            let ids: Vec<Vec<Option<u32>>> = (0..n as u32)
+                .map(|e| {
+                    let hit = |i: u32| {
+                        (random(e, 100 + i) >= open)
+                            .then(|| hash(hash(seed, e), 5000 + i) % n as u32)
+                    };
+                    (0..rays).map(hit).collect()
+                })
+                .collect();
+            let mut matrix = vec![vec![0.0; n]; n];
+            for (e, row) in ids.iter().enumerate() {
+                for &id in row.iter().flatten() {
+                    matrix[e][id as usize] += 1.0 / f64::from(rays);
+                }
+            }
+            Self {
+                direct: (0..n as u32)
+                    .map(|e| Vec3::new(random(e, 20), random(e, 21).powi(8), f32::from(e == 0)))
+                    .collect(),
+                elements: Elements::for_test(
+                    reflectance,
+                    (0..n as u32).map(|e| 0.1 + random(e, 30)).collect(),
+                ),
+                rows: HitList::from_rows(&ids),
+                matrix,
+            }
+        }
+
+        /// Reflected light by Gaussian elimination with partial pivoting, one channel.
+        fn exact(&self, channel: usize) -> Vec<f64> {
+            let n = self.direct.len();
+            let rho = |i: usize| f64::from(self.elements.reflectance[i][channel]);
+            let mut a: Vec<Vec<f64>> = (0..n)
+                .map(|i| {
+                    let mut row: Vec<f64> = (0..n)
+                        .map(|j| f64::from(u8::from(i == j)) - rho(i) * self.matrix[i][j])
+                        .collect();
+                    row.push(rho(i) * f64::from(self.direct[i][channel]));
+                    row
+                })
+                .collect();
+            for k in 0..n {
+                let pivot = (k..n)
+                    .max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()))
+                    .unwrap();
+                a.swap(k, pivot);
+                for i in k + 1..n {
+                    let factor = a[i][k] / a[k][k];
+                    for j in k..=n {
+                        a[i][j] -= factor * a[k][j];
+                    }
+                }
+            }
+            let mut x = vec![0.0; n];
+            for i in (0..n).rev() {
+                let known: f64 = (i + 1..n).map(|j| a[i][j] * x[j]).sum();
+                x[i] = (a[i][n] - known) / a[i][i];
+            }
+            x
+        }
+
+        fn largest_error(&self, solution: &Solution) -> f64 {
+            (0..3)
+                .flat_map(|c| {
+                    self.exact(c)
+                        .into_iter()
+                        .zip(&solution.reflected)
+                        .map(move |(x, r)| (x - f64::from(r[c])).abs())
+                })
+                .fold(0.0, f64::max)
+        }
+    }
+
+    #[test]
+    fn the_bound_covers_the_error_of_random_enclosures() {
+        let mut looseness = Vec::new();
+        for seed in 0..120 {
+            let enclosure = Enclosure::random(seed);
+            for sweeps in [0, 1, 3, 100] {
+                let solution = gauss_seidel(
+                    &enclosure.elements,
+                    &enclosure.rows,
+                    &enclosure.direct,
+                    1e-4,
+                    sweeps,
+                    |_| true,
+                );
+                let error = enclosure.largest_error(&solution);
+                // Radiances are stored as f32: half a unit in the last place is not the solver's.
+                let storage = 1e-6 * enclosure.exact(2).into_iter().fold(1.0, f64::max);
+                let bound = solution.report.error_bound;
+                assert!(
+                    error <= bound + storage,
+                    "seed {seed}, {sweeps} sweeps: error {error:e}, bound {bound:e}"
+                );
+                assert!(solution.report.sweeps <= sweeps);
+                if sweeps == 3 {
+                    looseness.push(bound / error.max(storage));
+                }
+            }
+        }
+        looseness.sort_by(f64::total_cmp);
+        assert!(
+            looseness[60] < 30.0,
+            "median bound / error {}",
+            looseness[60]
+        );
+    }
+
+    #[test]
+    fn bright_closed_rooms_take_few_sweeps() {
+        // Rows that see everything alike: plain Gauss–Seidel needs hundreds of sweeps at ρ = 0.99.
+        let n = 64;
+        let ids: Vec<Vec<Option<u32>>> = (0..n)
+            .map(|e| (0..128).map(|i| Some(hash(e, i) % n)).collect())
+            .collect();
+        let elements =
+            Elements::for_test(vec![Vec3::splat(0.99); n as usize], vec![1.0; n as usize]);
+        let direct: Vec<Vec3> = (0..n)
+            .map(|e| Vec3::splat(f32::from(u8::from(e < 4))))
+            .collect();
+        let solution = gauss_seidel(
+            &elements,
+            &HitList::from_rows(&ids),
+            &direct,
+            1e-3,
+            100,
+            |_| true,
+        );
+        assert!(
+            solution.report.converged && solution.report.sweeps <= 20,
+            "{:?}",
+            solution.report
+        );
+    }
+
+    #[test]
+    fn stopping_early_is_reported() {
+        let enclosure = Enclosure::random(2);
+        let solution = gauss_seidel(
+            &enclosure.elements,
+            &enclosure.rows,
+            &enclosure.direct,
+            1e-9,
+            2,
+            |_| true,
+        );
+        assert!(!solution.report.converged);
+        assert_eq!(solution.report.sweeps, 2);
+    }
+}

@@ -48,9 +48,9 @@ impl Pyramid {
 
     /// The mean around `uv` over about `uv_area` (1 is the whole image).
     pub(crate) fn sample(&self, uv: Vec2, uv_area: f32) -> Vec4 {
-        let base = &self.levels[0];
-        let texels = uv_area * (base.width * base.height) as f32;
-        let lod = (0.5 * texels.max(1.0).log2()).clamp(0.0, (self.levels.len() - 1) as f32);
+        // The last level is one texel for the whole image; each level before has half the width.
+        let last = (self.levels.len() - 1) as f32;
+        let lod = (last + 0.5 * uv_area.log2()).clamp(0.0, last);
         let (fine, blend) = (lod as usize, lod.fract());
         let color = self.levels[fine].bilinear(uv, self.wrap);
         if blend == 0.0 {

@@ -72,16 +72,16 @@ pub enum SceneError {
         /// Its index.
         index: u32,
     },
-    /// A number of a material, light or sky is NaN or infinite.
-    #[error("{thing}: {property} is not finite: give it a number")]
-    NumberNotFinite {
+    /// A number of a material, light or sky is NaN, infinite or absurdly large.
+    #[error("{thing}: {property} is not a number within ±1e15: give it one")]
+    NumberOutOfRange {
         /// Which material or light.
         thing: String,
         /// Which of its properties.
         property: &'static str,
     },
     /// The scene's extent does not fit the number range.
-    #[error("the scene is {extent:e} m across, outside 1e-15..1e15: scale it")]
+    #[error("the scene is {extent:e} m across, outside 1e-9..1e12: scale it")]
     Extent {
         /// Largest extent in metres.
         extent: f64,
@@ -281,12 +281,12 @@ fn check_numbers(scene: &Scene) -> Result<(), SceneError> {
         if ok {
             return Ok(());
         }
-        Err(SceneError::NumberNotFinite {
+        Err(SceneError::NumberOutOfRange {
             thing: thing(),
             property,
         })
     };
-    finite(scene.sky.is_finite(), &|| "the sky".into(), "its radiance")?;
+    finite(bounded(scene.sky), &|| "the sky".into(), "its radiance")?;
     finite(
         scene.origin.is_finite(),
         &|| "the scene".into(),
@@ -296,11 +296,11 @@ fn check_numbers(scene: &Scene) -> Result<(), SceneError> {
         let thing = || format!("material \"{}\"", m.name);
         finite(m.base_color.is_finite(), &thing, "the base colour")?;
         finite(m.metallic.is_finite(), &thing, "metallic")?;
-        finite(m.emissive.is_finite(), &thing, "the emissive colour")?;
+        finite(bounded(m.emissive), &thing, "the emissive colour")?;
     }
     for light in &scene.lights {
         let thing = || format!("light \"{}\"", light.name);
-        finite(light.power.is_finite(), &thing, "the power")?;
+        finite(bounded(light.power), &thing, "the power")?;
         match light.kind {
             LightKind::Point { position, range } => {
                 finite(position.is_finite(), &thing, "the position")?;
@@ -330,6 +330,13 @@ fn check_numbers(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
+/// Brighter than any light, and far enough from the end of `f32` for sums and products.
+const BRIGHTEST_LIGHT: f32 = 1e15;
+
+fn bounded(color: Vec3) -> bool {
+    color.is_finite() && color.abs().max_element() <= BRIGHTEST_LIGHT
+}
+
 /// Whether a vector has a direction.
 fn usable(v: Vec3) -> bool {
     v.is_finite() && v.as_dvec3().length() > 1e-30
@@ -352,7 +359,7 @@ fn frame(scene: &Scene) -> Result<(DVec3, f32), SceneError> {
     if extent == 0.0 {
         return Err(SceneError::Empty);
     }
-    if !(1e-15..=1e15).contains(&extent) {
+    if !(1e-9..=1e12).contains(&extent) {
         return Err(SceneError::Extent { extent });
     }
     // A power of two: scaling by it loses no bits.
