@@ -1,7 +1,21 @@
 //! glTF in and out, without Bevy.
 
+mod accessor;
+mod camera;
+mod check;
+mod container;
 mod document;
 mod error;
+mod hierarchy;
+mod import;
+mod material;
+mod notes;
+mod placed;
+mod primitive;
+mod punctual;
+mod texture;
 
+pub use camera::{GltfCamera, GltfProjection};
 pub use document::{Document, PrimitiveKey};
 pub use error::GltfError;
+pub use import::{GltfScene, load};
