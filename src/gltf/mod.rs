@@ -19,3 +19,8 @@ pub use camera::{GltfCamera, GltfProjection};
 pub use document::{Document, PrimitiveKey};
 pub use error::GltfError;
 pub use import::{GltfScene, load};
+
+#[cfg(test)]
+mod geometry_test;
+#[cfg(test)]
+mod test_file;
