@@ -171,10 +171,19 @@ pub(super) fn fetch(document: &Path, uri: &str) -> Result<Vec<u8>, FetchError> {
     let folder = document.parent().unwrap_or(Path::new(""));
     let decoded = percent_decode_str(uri).decode_utf8_lossy();
     let file = folder.join(decoded.as_ref());
-    match std::fs::read(&file) {
+    match read_file(&file) {
         Ok(bytes) => Ok(bytes),
         // Some exporters do not encode: then a percent sign is one.
-        Err(error) => std::fs::read(folder.join(uri)).map_err(|_| FetchError::File(file, error)),
+        Err(error) => read_file(&folder.join(uri)).map_err(|_| FetchError::File(file, error)),
+    }
+}
+
+/// Reads files only: a document may name a device, which would never end.
+fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
+    if std::fs::metadata(path)?.is_file() {
+        std::fs::read(path)
+    } else {
+        Err(std::io::Error::other("it is no file"))
     }
 }
 

@@ -21,6 +21,18 @@ pub use error::GltfError;
 pub use import::{GltfScene, load};
 
 #[cfg(test)]
+mod container_test;
+#[cfg(test)]
+mod fuzz_test;
+#[cfg(test)]
 mod geometry_test;
+#[cfg(test)]
+mod light_test;
+#[cfg(test)]
+mod malformed_test;
+#[cfg(test)]
+mod material_test;
+#[cfg(test)]
+mod placed_test;
 #[cfg(test)]
 mod test_file;
