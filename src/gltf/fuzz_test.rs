@@ -280,16 +280,24 @@ fn odd_value(random: &mut Random) -> Value {
 
 #[test]
 fn images_flipped_at_random() {
-    let png = png(&[[1, 2, 3, 4]; 8]);
+    let pixels = image::RgbImage::from_fn(16, 16, |x, y| image::Rgb([x as u8 * 16, y as u8, 9]));
+    let mut jpeg = std::io::Cursor::new(Vec::new());
+    pixels
+        .write_to(&mut jpeg, image::ImageFormat::Jpeg)
+        .unwrap();
     let mut random = Random(0xCAFE);
-    for _ in 0..300 {
+    for image in [png(&[[1, 2, 3, 4]; 8]), jpeg.into_inner()] {
         let mut file = rich();
-        let mut bytes = png.clone();
-        for _ in 0..3 {
-            let at = random.below(bytes.len());
-            bytes[at] = random.below(256) as u8;
+        file.json["images"][0] = json!({ "uri": data_uri("image/png", &image) });
+        assert!(!load(&file.glb()).unwrap().scene.textures.is_empty());
+        for _ in 0..300 {
+            let mut bytes = image.clone();
+            for _ in 0..3 {
+                let at = random.below(bytes.len());
+                bytes[at] = random.below(256) as u8;
+            }
+            file.json["images"][0] = json!({ "uri": data_uri("image/png", &bytes) });
+            load(&file.glb()).unwrap();
         }
-        file.json["images"][0] = json!({ "uri": data_uri("image/png", &bytes) });
-        load(&file.glb()).unwrap();
     }
 }

@@ -14,7 +14,7 @@ use super::primitive::{Geometry, Reader};
 use super::punctual::light_of;
 use super::texture::Textures;
 use super::{check, container, placed};
-use crate::radiosity::{MaterialId, Object, Scene};
+use crate::radiosity::{Light, MaterialId, Object, Scene};
 
 /// What [`load`] makes of a glTF file.
 #[derive(Clone, Debug)]
@@ -25,7 +25,8 @@ pub struct GltfScene {
     pub document: Document,
     /// Which primitive each of the scene's objects was made from, in the same order.
     ///
-    /// Vertices of an object are those of the primitive, in the same order.
+    /// Vertices of an object are those of the primitive, in the same order; so are its triangles,
+    /// though wound the other way under a mirrored node.
     pub objects: Vec<PrimitiveKey>,
     /// Which node each of the scene's lights was made from, in the same order.
     pub light_nodes: Vec<usize>,
@@ -144,14 +145,8 @@ impl<'a> Importer<'a> {
             origin,
             ..Scene::default()
         };
-        let mut light_nodes = Vec::new();
-        for &node in &shown {
-            let world = &self.hierarchy.world[node];
-            if let Some(light) = light_of(self.root, node, world, origin, &mut self.notes) {
-                scene.lights.push(light);
-                light_nodes.push(node);
-            }
-        }
+        let (lights, light_nodes) = self.lights(&shown, origin);
+        scene.lights = lights;
         let camera = order.iter().find_map(|&node| {
             let world = &self.hierarchy.world[node];
             camera_of(self.root, node, world, origin, &mut self.notes)
@@ -169,6 +164,16 @@ impl<'a> Importer<'a> {
             camera,
             notes: self.notes.into_list(),
         })
+    }
+
+    /// The lights of `nodes`, and which node each one is of.
+    fn lights(&mut self, nodes: &[usize], origin: DVec3) -> (Vec<Light>, Vec<usize>) {
+        let lights = nodes.iter().filter_map(|&node| {
+            let world = &self.hierarchy.world[node];
+            let light = light_of(self.root, node, world, origin, &mut self.notes)?;
+            Some((light, node))
+        });
+        lights.unzip()
     }
 
     /// Adds the mesh of a node, if it has one.

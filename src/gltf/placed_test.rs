@@ -201,3 +201,12 @@ fn skins_stand_in_their_rest_pose() {
     file.json["skins"][0]["joints"] = json!([a, b, a]);
     assert!(file.reason().contains("inverse bind"));
 }
+
+#[test]
+fn gpu_instances_are_noted() {
+    let mut file = File::triangle();
+    file.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": {} });
+    let scene = file.load();
+    assert_eq!(scene.scene.objects.len(), 1);
+    assert!(noted(&scene, &["tri", "EXT_mesh_gpu_instancing"]));
+}
