@@ -302,7 +302,7 @@ proptest! {
         lights in prop::collection::vec(broken_light(), 0..3),
         colors in prop::collection::vec(nasty(), 8),
         two_sided in any::<bool>(),
-        max_edge in prop::option::of(0.3_f32..3.0),
+        refine in prop::option::of(0.1_f32..1.0),
         in_a_room in any::<bool>(),
     ) {
         let mut s = if in_a_room { lit_room() } else { scene(Vec::new(), vec![grey(0.5, 0.0), grey(0.5, 1.0)]) };
@@ -313,19 +313,25 @@ proptest! {
         s.materials[1].emissive = Vec3::new(colors[1], colors[2], colors[3]);
         s.materials[1].metallic = colors[4];
         s.sky = Vec3::new(colors[5], colors[6], colors[7]);
-        let settings = BakeSettings { max_edge, element_rays: 2, gather_rays: 2, elements: 50, ..draft() };
         match s.validate() {
             Err(e) => prop_assert!(!e.to_string().is_empty()),
-            Ok(valid) => match bake(&valid, &settings, &()) {
-                Err(BakeError::Split(_)) => {}
-                Err(e) => prop_assert!(false, "{e}"),
-                Ok(bake) => {
+            Ok(valid) => {
+                let settings = BakeSettings {
+                    max_edge: refine.map(|share| share * valid.bounds().1 as f32),
+                    element_rays: 2,
+                    gather_rays: 2,
+                    elements: 50,
+                    ..draft()
+                };
+                let bake = bake(&valid, &settings, &());
+                prop_assert!(bake.is_ok(), "{bake:?}");
+                if let Ok(bake) = bake {
                     for light in bake.objects.iter().flat_map(|o| &o.light) {
                         prop_assert!(light.is_finite() && light.min_element() >= 0.0, "{light}");
                     }
                     prop_assert!(bake.report.energy.relative_error().is_finite());
                 }
-            },
+            }
         }
     }
 }

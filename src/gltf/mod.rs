@@ -1,12 +1,55 @@
 //! glTF in and out, without Bevy.
+//!
+//! [`load`] reads a file into a [`Scene`](crate::radiosity::Scene) and keeps the [`Document`] it
+//! came from; [`to_glb`] writes that document again with baked light in its vertices. What neither
+//! knows goes through untouched. The contract of what is written stands in `docs/file_formats.md`.
+//!
+//! | in | out |
+//! |---|---|
+//! | `container`, `check`: bytes and JSON, limits checked first | `export`: light into the JSON |
+//! | `accessor`, `hierarchy`, `primitive`: geometry in world space | `accessor_json`: attributes to refine |
+//! | `material`, `texture`, `punctual`, `camera`: looks and light | `write`: whole files or none |
 
+mod accessor;
 mod accessor_json;
+mod camera;
+mod check;
+mod container;
+mod document;
 mod document;
 mod error;
+mod error;
 mod export;
+mod hierarchy;
+mod import;
+mod material;
+mod notes;
+mod placed;
+mod primitive;
+mod punctual;
+mod texture;
 mod write;
 
+pub use camera::{GltfCamera, GltfProjection};
 pub use document::{Document, PrimitiveKey};
 pub use error::GltfError;
 pub use export::{BakedPrimitive, ExportOptions, Exported, LightEncoding, to_glb};
+pub use import::{GltfScene, load};
 pub use write::write_atomically;
+
+#[cfg(test)]
+mod container_test;
+#[cfg(test)]
+mod fuzz_test;
+#[cfg(test)]
+mod geometry_test;
+#[cfg(test)]
+mod light_test;
+#[cfg(test)]
+mod malformed_test;
+#[cfg(test)]
+mod material_test;
+#[cfg(test)]
+mod placed_test;
+#[cfg(test)]
+mod test_file;

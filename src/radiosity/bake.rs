@@ -118,7 +118,7 @@ pub fn bake(
     }
     .run(&receivers, observer)?;
     clock.next(Stage::Fit, observer)?;
-    let fitted = fit(&samples, receivers.unknowns);
+    let fitted = fit(&samples, receivers.unknowns, &receivers.seams);
     let stages = clock.finish(observer)?;
 
     let mut report = Report {

@@ -21,6 +21,10 @@ pub(crate) struct Fit {
 /// light with sharp edges keeps them, gathered light is smooth and its noise is not.
 const SMOOTHING: [f32; 2] = [0.001, 0.01];
 
+/// Vertices of two objects at one place take their mean if the darker has at least this share of
+/// the brighter's light; below it, something stands between them.
+const SEAM: f32 = 0.7;
+
 /// The least-squares fit stops at this relative residual: far below the samples' noise.
 const TOLERANCE: f32 = 1e-4;
 
@@ -40,8 +44,8 @@ const MAX_ITERATIONS: usize = 500;
 /// with `L` the graph Laplacian of a triangle. Where there are no samples only the second term is
 /// left: its minimum is the harmonic fill from the vertices around, along the mesh and so never
 /// through a wall.
-pub(crate) fn fit(triangles: &[TriangleSamples], unknowns: usize) -> Fit {
-    let whole = solve_halves(triangles, unknowns, &[0, 1]);
+pub(crate) fn fit(triangles: &[TriangleSamples], unknowns: usize, seams: &[Vec<u32>]) -> Fit {
+    let mut whole = solve_halves(triangles, unknowns, &[0, 1]);
     let [a, b] = [[0], [1]].map(|half| solve_halves(triangles, unknowns, &half));
     let mut area = vec![0.0_f32; unknowns];
     let mut sampled = vec![false; unknowns];
@@ -51,6 +55,7 @@ pub(crate) fn fit(triangles: &[TriangleSamples], unknowns: usize) -> Fit {
             sampled[u as usize] |= t.invalid < t.taken;
         }
     }
+    close_seams(&mut whole, &area, seams);
     let total: f64 = area
         .iter()
         .map(|&a| f64::from(a))
@@ -75,6 +80,34 @@ pub(crate) fn fit(triangles: &[TriangleSamples], unknowns: usize) -> Fit {
         filled: (0..unknowns).map(|i| !sampled[i] && !dark[i]).collect(),
         light: whole,
         dark,
+    }
+}
+
+/// Gives vertices of different objects at one place the same light, where it nearly is.
+fn close_seams(light: &mut [Vec3], area: &[f32], seams: &[Vec<u32>]) {
+    for seam in seams {
+        let mut members = seam.clone();
+        members.sort_by(|&a, &b| {
+            luminance(light[a as usize])
+                .total_cmp(&luminance(light[b as usize]))
+                .then(a.cmp(&b))
+        });
+        let agree = |&a: &u32, &b: &u32| {
+            luminance(light[a as usize]) >= f64::from(SEAM) * luminance(light[b as usize])
+        };
+        let groups: Vec<Vec<u32>> = members.chunk_by(agree).map(<[u32]>::to_vec).collect();
+        for group in groups {
+            let weight: f32 = group.iter().map(|&u| area[u as usize]).sum();
+            if weight > 0.0 {
+                let sum: Vec3 = group
+                    .iter()
+                    .map(|&u| light[u as usize] * area[u as usize])
+                    .sum();
+                for u in group {
+                    light[u as usize] = sum / weight;
+                }
+            }
+        }
     }
 }
 

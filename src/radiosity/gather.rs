@@ -217,7 +217,8 @@ impl Gather<'_> {
             };
             match self.elements.at(&hit) {
                 Some(element) => sum += Vec3::from(self.reflected[element.0 as usize]),
-                None => inside += 1,
+                // A leaf or a veil is a sheet, not the inside of anything.
+                None => inside += u32::from(!self.occluders.transmits(hit.triangle)),
             }
             sum += self
                 .emitters

@@ -114,6 +114,11 @@ impl<'a> Occluders<'a> {
         !blocked
     }
 
+    /// Whether light can pass a live triangle in part.
+    pub(crate) fn transmits(&self, triangle: u32) -> bool {
+        self.transmits[triangle as usize]
+    }
+
     /// Whether a ray goes through a surface that is there only in part.
     fn passes(&self, triangle: u32, uv: [f32; 2], seed: u32) -> bool {
         self.transmits[triangle as usize]

@@ -7,7 +7,7 @@ use super::validate::ValidScene;
 use crate::mesh::{PositionClasses, RefinedMesh, SplitError, split_flat_corners, split_long_edges};
 
 /// More vertices than this in one bake are taken for a mistake in the edge length.
-const MAX_VERTICES: usize = 20_000_000;
+const MAX_VERTICES: usize = 5_000_000;
 
 /// The meshes that carry the light: the objects' own, or refinements of them.
 pub(crate) struct ReceiverMeshes {
@@ -15,6 +15,8 @@ pub(crate) struct ReceiverMeshes {
     pub(crate) meshes: Vec<ReceiverMesh>,
     /// Number of unknowns of the vertex fit.
     pub(crate) unknowns: usize,
+    /// Unknowns of different objects at one place with one normal.
+    pub(crate) seams: Vec<Vec<u32>>,
 }
 
 /// The mesh of one object, in internal units.
@@ -34,8 +36,9 @@ const SAME_NORMAL: f32 = 0.999_85;
 
 impl ReceiverMeshes {
     /// Splits edges longer than `max_edge` metres, gives flat-shaded corners vertices of their own,
-    /// and finds which vertices share their light: those of one place and one normal, across
-    /// texture seams and objects, but not across hard edges.
+    /// and finds which vertices share their light: those of one place and one normal in an object,
+    /// across texture seams but not across hard edges. Where objects meet, a wall may stand
+    /// between them, so there each has its own and a seam joins them if the light agrees.
     pub(crate) fn new(scene: &ValidScene, max_edge: Option<f32>) -> Result<Self, SplitError> {
         let mut meshes = Vec::with_capacity(scene.objects.len());
         let mut budget = MAX_VERTICES;
@@ -44,8 +47,12 @@ impl ReceiverMeshes {
             budget = budget.saturating_sub(mesh.positions.len());
             meshes.push(mesh);
         }
-        let unknowns = share_unknowns(&mut meshes);
-        Ok(Self { meshes, unknowns })
+        let (unknowns, seams) = share_unknowns(&mut meshes);
+        Ok(Self {
+            meshes,
+            unknowns,
+            seams,
+        })
     }
 
     pub(crate) fn vertex_count(&self) -> usize {
@@ -145,32 +152,64 @@ pub(crate) fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
         .as_vec3()
 }
 
-/// Numbers the unknowns: one for each group of vertices of one place and one normal.
-fn share_unknowns(meshes: &mut [ReceiverMesh]) -> usize {
+/// Numbers the unknowns: one for each group of vertices of one place and one normal in an object.
+/// Returns their number and the seams between objects.
+fn share_unknowns(meshes: &mut [ReceiverMesh]) -> (usize, Vec<Vec<u32>>) {
     let positions: Vec<Vec3> = meshes
         .iter()
         .flat_map(|m| m.positions.iter().copied())
         .collect();
     let classes = PositionClasses::new(positions.iter().copied(), OFFSET);
-    // The normals met so far at each place, with their unknown.
-    let mut at_place: HashMap<u32, Vec<(Vec3, u32)>> = HashMap::with_capacity(positions.len());
+    let mut at_place: HashMap<u32, Vec<Corner>> = HashMap::with_capacity(positions.len());
     let (mut next, mut i) = (0, 0);
-    for mesh in meshes {
+    for (object, mesh) in meshes.iter_mut().enumerate() {
         mesh.unknown = Vec::with_capacity(mesh.positions.len());
         for &normal in &mesh.normals {
             let here = at_place.entry(classes.class[i]).or_default();
-            let known = here
-                .iter()
-                .find(|(n, _)| n.dot(normal) > SAME_NORMAL)
-                .map(|&(_, u)| u);
-            let unknown = known.unwrap_or_else(|| {
-                here.push((normal, next));
+            let same = |c: &&Corner| c.object == object && c.normal.dot(normal) > SAME_NORMAL;
+            let known = here.iter().find(same).map(|c| c.unknown);
+            mesh.unknown.push(known.unwrap_or(next));
+            if known.is_none() {
+                here.push(Corner {
+                    object,
+                    normal,
+                    unknown: next,
+                });
                 next += 1;
-                next - 1
-            });
-            mesh.unknown.push(unknown);
+            }
             i += 1;
         }
     }
-    next as usize
+    (next as usize, seams(at_place))
+}
+
+/// An unknown by what tells it from others at the same place.
+struct Corner {
+    object: usize,
+    normal: Vec3,
+    unknown: u32,
+}
+
+fn seams(at_place: HashMap<u32, Vec<Corner>>) -> Vec<Vec<u32>> {
+    let mut seams = Vec::new();
+    for mut corners in at_place.into_values() {
+        while let Some(first) = corners.pop() {
+            let (same, others): (Vec<_>, Vec<_>) = corners
+                .into_iter()
+                .partition(|c| c.normal.dot(first.normal) > SAME_NORMAL);
+            if !same.is_empty() {
+                let mut seam: Vec<u32> = same
+                    .iter()
+                    .map(|c| c.unknown)
+                    .chain([first.unknown])
+                    .collect();
+                seam.sort_unstable();
+                seams.push(seam);
+            }
+            corners = others;
+        }
+    }
+    // The map's order is not the same in every run.
+    seams.sort_unstable();
+    seams
 }
