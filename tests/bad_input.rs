@@ -226,8 +226,8 @@ fn far_from_the_origin() {
 /// Numbers that break things: zeros of both signs, neighbours in the last place, extremes.
 fn nasty() -> impl Strategy<Value = f32> {
     prop_oneof![
-        6 => -2.0_f32..2.0,
-        2 => prop::sample::select(vec![0.0, -0.0, 1.0, -1.0, 0.5, f32::EPSILON, 1.0 + f32::EPSILON, 1e-20, 1e-38, 1e6, -1e6]),
+        60 => -2.0_f32..2.0,
+        16 => prop::sample::select(vec![0.0, -0.0, 1.0, -1.0, 0.5, f32::EPSILON, 1.0 + f32::EPSILON, 1e-20, 1e-38, 1e6, -1e6]),
         1 => prop::sample::select(vec![f32::NAN, f32::INFINITY, 1e30, f32::MAX, f32::MIN_POSITIVE / 2.0]),
     ]
 }

@@ -16,8 +16,6 @@ mod camera;
 mod check;
 mod container;
 mod document;
-mod document;
-mod error;
 mod error;
 mod export;
 mod hierarchy;
