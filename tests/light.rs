@@ -85,7 +85,7 @@ fn a_range_ends_the_light() {
     for (p, v) in positions.iter().zip(values(&run(s))) {
         assert!((v > 0.0) || p.length() > 0.8, "dark within range at {p}");
         // The fit's pull between neighbours reaches a little further.
-        assert!(v < 1e-4 || p.length() < 1.1, "lit beyond range at {p}: {v}");
+        assert!(v < 1e-3 || p.length() < 1.1, "lit beyond range at {p}: {v}");
     }
 }
 
