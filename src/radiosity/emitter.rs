@@ -266,11 +266,15 @@ impl<'a> Emitters<'a> {
         if self.tree.leaves.is_empty() {
             return Vec3::ZERO;
         }
+        let choices = Choices::new(self.tree, receiver);
+        if choices.is_empty() {
+            return Vec3::ZERO;
+        }
         let mut sum = Vec3::ZERO;
         let count = indices.len() as f32;
         for i in indices {
             let [choice, u, v, _] = sobol(i, 1, seed);
-            let Some((leaf, probability)) = self.tree.choose(receiver, choice) else {
+            let Some((leaf, probability)) = choices.choose(self.tree, receiver, choice) else {
                 continue;
             };
             let leaf = &self.tree.leaves[leaf as usize];
@@ -361,6 +365,72 @@ impl<'a> Emitters<'a> {
         }
         let ratio = traced / sampled.max(f32::MIN_POSITIVE);
         1.0 / (1.0 + ratio * ratio)
+    }
+}
+
+/// How one receiver chooses among the emitters: the same distribution for all its samples.
+enum Choices {
+    /// Few emitters: all leaves with a chance, each with the sum of probabilities up to it and its
+    /// own. Finds the same leaf as walking down the tree would, at a fraction of the cost.
+    Table(Vec<(u32, f32, f32)>),
+    /// Many: walk down the tree each time.
+    Walk,
+}
+
+/// Up to so many emitters a table is cheaper than walking.
+const TABLE: usize = 64;
+
+impl Choices {
+    fn new(tree: &EmitterTree, receiver: &Receiver) -> Self {
+        if tree.leaves.len() > TABLE {
+            return Self::Walk;
+        }
+        let mut table = Vec::with_capacity(tree.leaves.len());
+        // A tree of one leaf has no choice to make, but may still be out of sight.
+        if tree.nodes[0].importance(receiver) > 0.0 {
+            Self::fill(tree, receiver, 0, 1.0, &mut table);
+        }
+        Self::Table(table)
+    }
+
+    fn fill(
+        tree: &EmitterTree,
+        receiver: &Receiver,
+        node: u32,
+        probability: f32,
+        table: &mut Vec<(u32, f32, f32)>,
+    ) {
+        match tree.nodes[node as usize].content {
+            Content::Leaf(leaf) => {
+                let before = table.last().map_or(0.0, |entry| entry.1);
+                table.push((leaf, before + probability, probability));
+            }
+            Content::Children(left, right) => {
+                let Some(share) = tree.left_share(receiver, left, right) else {
+                    return;
+                };
+                for (child, share) in [(left, share), (right, 1.0 - share)] {
+                    if share > 0.0 {
+                        Self::fill(tree, receiver, child, probability * share, table);
+                    }
+                }
+            }
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        matches!(self, Self::Table(table) if table.is_empty())
+    }
+
+    fn choose(&self, tree: &EmitterTree, receiver: &Receiver, u: f32) -> Option<(u32, f32)> {
+        match self {
+            Self::Walk => tree.choose(receiver, u),
+            Self::Table(table) => {
+                // Parts of the tree that cannot be seen leave the sum below 1: their share is dark.
+                let entry = table.iter().find(|entry| u < entry.1);
+                entry.map(|&(leaf, _, probability)| (leaf, probability))
+            }
+        }
     }
 }
 

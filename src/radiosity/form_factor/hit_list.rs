@@ -35,8 +35,9 @@ impl HitList {
         for block in self.row(e).chunks(16) {
             let mut partial = Vec3A::ZERO;
             for &id in block {
-                if id != NO_ELEMENT {
-                    partial += values[id as usize];
+                // A miss is beyond the end: one comparison for both.
+                if let Some(value) = values.get(id as usize) {
+                    partial += *value;
                 }
             }
             sum += partial.as_dvec3();
