@@ -102,7 +102,7 @@ pub fn bake(
         &arrived,
         settings.solver_tolerance,
         settings.max_sweeps,
-        |_| !observer.cancelled(),
+        || !observer.cancelled(),
     );
     clock.next(Stage::Gather, observer)?;
     let lit_from_behind = lit_from_behind(scene, &elements, &solution);

@@ -42,6 +42,17 @@ pub(crate) fn map_ranges<T: Send>(
     Ok(results.into_iter().flatten().collect())
 }
 
+/// Runs `work` over `0..count` in ranges of `chunk`, without telling anybody: for what is quick.
+pub(crate) fn map_chunks<T: Send>(
+    count: usize,
+    chunk: usize,
+    work: impl Fn(Range<usize>) -> T + Send + Sync,
+) -> Vec<T> {
+    map_ordered(count.div_ceil(chunk), |i| {
+        work(i * chunk..((i + 1) * chunk).min(count))
+    })
+}
+
 #[cfg(feature = "parallel")]
 fn map_ordered<T: Send>(count: usize, run: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
     use rayon::prelude::*;

@@ -1,7 +1,10 @@
+use std::ops::Range;
+
 use glam::{DVec3, Vec3, Vec3A};
 
 use super::element::Elements;
 use super::form_factor::HitList;
+use super::parallel::map_chunks;
 use super::report::SolverReport;
 
 /// A solution of the radiosity system.
@@ -34,7 +37,7 @@ pub(crate) fn gauss_seidel(
     direct: &[Vec3],
     tolerance: f32,
     max_sweeps: u32,
-    mut progress: impl FnMut(u32) -> bool,
+    mut go_on: impl FnMut() -> bool,
 ) -> Solution {
     let system = System {
         elements,
@@ -47,35 +50,46 @@ pub(crate) fn gauss_seidel(
         .map(|e| (direct[e] * elements.reflectance[e]).into())
         .collect();
     let mut report = SolverReport::default();
+    let mut going = true;
     loop {
-        // The residual of the state as it is: what the bound and the correction are made of.
-        let residual = system.residual(&reflected);
-        let scale = system.mean(&reflected).max_element().max(f64::MIN_POSITIVE);
-        report.residual = residual.largest;
+        // The state as it is: what the bound and the correction are made of.
+        let state = system.state(&reflected);
+        let goal = f64::from(tolerance) * system.mean(&reflected).max_element();
+        report.residual = state.largest_residual;
         report.error_bound = report.residual / (1.0 - contraction);
-        report.converged =
-            report.error_bound <= f64::from(tolerance) * scale || report.residual == 0.0;
-        if report.converged || report.sweeps >= max_sweeps || !progress(report.sweeps) {
-            break;
+        report.converged = report.error_bound <= goal;
+        if report.converged || report.sweeps >= max_sweeps || !going {
+            return Solution {
+                arriving: state.arriving,
+                reflected,
+                report,
+            };
         }
-        let correction = (residual.weighted_sum / mean_field).as_vec3();
-        if correction.is_finite() {
-            for (r, rho) in reflected.iter_mut().zip(&elements.reflectance) {
-                *r = (*r + Vec3A::from(correction * *rho)).max(Vec3A::ZERO);
-            }
+        let correction = share(state.residual_sum, mean_field);
+        for (r, rho) in reflected.iter_mut().zip(&elements.reflectance) {
+            *r = (*r + Vec3A::from(correction * *rho)).max(Vec3A::ZERO);
         }
         for e in 0..reflected.len() {
             reflected[e] = system.reflect(e, &reflected).as_vec3a();
+            if e % BETWEEN_QUESTIONS == 0 && !go_on() {
+                going = false;
+                break;
+            }
         }
         report.sweeps += 1;
     }
-    Solution {
-        arriving: (0..reflected.len())
-            .map(|e| system.arriving(e, &reflected).as_vec3())
-            .collect(),
-        reflected,
-        report,
-    }
+}
+
+/// Elements relaxed before asking whether to go on: a few milliseconds' work.
+const BETWEEN_QUESTIONS: usize = 4096;
+
+/// Elements a thread takes at a time when the state is looked at.
+const CHUNK: usize = 1024;
+
+/// Channel by channel; 0 where nothing is reflected.
+fn share(a: DVec3, b: DVec3) -> Vec3 {
+    let one = |a: f64, b: f64| if b > 0.0 { (a / b) as f32 } else { 0.0 };
+    Vec3::new(one(a.x, b.x), one(a.y, b.y), one(a.z, b.z))
 }
 
 struct System<'a> {
@@ -84,9 +98,12 @@ struct System<'a> {
     direct: &'a [Vec3],
 }
 
-struct Residual {
-    largest: f64,
-    weighted_sum: DVec3,
+/// What can be said of some reflected light, or of part of it.
+struct State {
+    arriving: Vec<Vec3>,
+    largest_residual: f64,
+    /// Σ A r.
+    residual_sum: DVec3,
 }
 
 impl System<'_> {
@@ -98,24 +115,45 @@ impl System<'_> {
         self.elements.reflectance[e].as_dvec3() * self.arriving(e, reflected)
     }
 
-    fn residual(&self, reflected: &[Vec3A]) -> Residual {
-        let mut residual = Residual {
-            largest: 0.0,
-            weighted_sum: DVec3::ZERO,
+    fn state(&self, reflected: &[Vec3A]) -> State {
+        let parts = map_chunks(reflected.len(), CHUNK, |range| {
+            self.state_of(range, reflected)
+        });
+        let mut whole = State {
+            arriving: Vec::with_capacity(reflected.len()),
+            largest_residual: 0.0,
+            residual_sum: DVec3::ZERO,
         };
-        for (e, &current) in reflected.iter().enumerate() {
-            let r = self.reflect(e, reflected) - current.as_dvec3();
-            residual.largest = residual.largest.max(r.abs().max_element());
-            residual.weighted_sum += r * f64::from(self.elements.area[e]);
+        for part in parts {
+            whole.arriving.extend(part.arriving);
+            whole.largest_residual = whole.largest_residual.max(part.largest_residual);
+            whole.residual_sum += part.residual_sum;
         }
-        residual
+        whole
+    }
+
+    fn state_of(&self, range: Range<usize>, reflected: &[Vec3A]) -> State {
+        let mut state = State {
+            arriving: Vec::with_capacity(range.len()),
+            largest_residual: 0.0,
+            residual_sum: DVec3::ZERO,
+        };
+        for e in range {
+            let arriving = self.arriving(e, reflected);
+            let r = self.elements.reflectance[e].as_dvec3() * arriving - reflected[e].as_dvec3();
+            state.arriving.push(arriving.as_vec3());
+            state.largest_residual = state.largest_residual.max(r.abs().max_element());
+            state.residual_sum += r * f64::from(self.elements.area[e]);
+        }
+        state
     }
 
     /// Largest ρ · row sum: the factor by which an error shrinks in one bounce, at worst.
     fn contraction(&self) -> f64 {
-        let worst = (0..self.direct.len())
-            .map(|e| f64::from(self.elements.reflectance[e].max_element()) * self.rows.row_sum(e));
-        worst.fold(0.0, f64::max)
+        let brightest = |e: usize| f64::from(self.elements.reflectance[e].max_element());
+        (0..self.direct.len())
+            .map(|e| brightest(e) * self.rows.row_sum(e))
+            .fold(0.0, f64::max)
     }
 
     /// Σ A ρ (1 − F ρ).
@@ -126,23 +164,23 @@ impl System<'_> {
             .iter()
             .map(|&r| r.into())
             .collect();
-        (0..self.direct.len())
-            .map(|e| {
-                let lost = DVec3::ONE - self.rows.gather(e, &rho);
-                rho[e].as_dvec3() * lost * f64::from(self.elements.area[e])
-            })
-            .sum()
+        let gain = |e: usize| {
+            let lost = DVec3::ONE - self.rows.gather(e, &rho);
+            rho[e].as_dvec3() * lost * f64::from(self.elements.area[e])
+        };
+        let parts = map_chunks(rho.len(), CHUNK, |range| range.map(gain).sum::<DVec3>());
+        parts.into_iter().sum()
     }
 
+    /// Area-weighted.
     fn mean(&self, values: &[Vec3A]) -> DVec3 {
-        let areas = &self.elements.area;
-        let total: f64 = areas.iter().map(|&a| f64::from(a)).sum();
+        let areas = || self.elements.area.iter().map(|&a| f64::from(a));
         let sum: DVec3 = values
             .iter()
-            .zip(areas)
-            .map(|(v, &a)| v.as_dvec3() * f64::from(a))
+            .zip(areas())
+            .map(|(v, a)| v.as_dvec3() * a)
             .sum();
-        sum / total.max(f64::MIN_POSITIVE)
+        sum / areas().sum::<f64>().max(f64::MIN_POSITIVE)
     }
 }
 
@@ -257,7 +295,7 @@ mod tests {
                     &enclosure.direct,
                     1e-4,
                     sweeps,
-                    |_| true,
+                    || true,
                 );
                 let error = enclosure.largest_error(&solution);
                 // Radiances are stored as f32: half a unit in the last place is not the solver's.
@@ -299,7 +337,7 @@ mod tests {
             &direct,
             1e-3,
             100,
-            |_| true,
+            || true,
         );
         assert!(
             solution.report.converged && solution.report.sweeps <= 20,
@@ -317,7 +355,7 @@ mod tests {
             &enclosure.direct,
             1e-9,
             2,
-            |_| true,
+            || true,
         );
         assert!(!solution.report.converged);
         assert_eq!(solution.report.sweeps, 2);
