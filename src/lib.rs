@@ -1,5 +1,78 @@
-//! Relief and baked light for Bevy.
+//! Baked diffuse light for [Bevy](https://bevyengine.org), in the vertices of your meshes.
+//!
+//! A scene goes in, the light that every vertex receives comes out: direct light with its shadows
+//! and all that bounces between surfaces, solved as *radiosity*. There are no lightmap textures, no
+//! second UV set and no round trip through another program.
+//!
+//! # From the command line
+//!
+//! ```text
+//! cargo bake room.glb --preview room.png
+//! ```
+//!
+//! gives the file back with its light in the vertex attribute `_BAKED_LIGHT`, and a picture of it.
+//! See the README for the options and `docs/file_formats.md` for the contract of the file.
+//!
+//! # From Rust
+//!
+//! ```
+//! use bevy_fresco::radiosity::{BakeSettings, Light, LightKind, Material, MaterialId, Object, Scene, bake};
+//! use glam::Vec3;
+//!
+//! let floor = Object {
+//!     name: "floor".into(),
+//!     positions: vec![Vec3::ZERO, Vec3::Z, Vec3::X + Vec3::Z, Vec3::X],
+//!     triangles: vec![[0, 1, 2], [0, 2, 3]],
+//!     material: MaterialId(0),
+//!     ..Object::default()
+//! };
+//! let sun = Light {
+//!     name: "sun".into(),
+//!     power: Vec3::splat(10_000.0), // lux
+//!     kind: LightKind::Directional { direction: Vec3::NEG_Y },
+//! };
+//! let scene = Scene {
+//!     objects: vec![floor],
+//!     materials: vec![Material::default()],
+//!     lights: vec![sun],
+//!     ..Scene::default()
+//! };
+//! let bake = bake(&scene.validate()?, &BakeSettings::DRAFT, &())?;
+//! // Irradiance / π: what a white surface would show.
+//! assert!((bake.objects[0].light[0].x - 10_000.0 / std::f32::consts::PI).abs() < 1.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Modules and features
+//!
+//! | module | what it does | feature |
+//! |---|---|---|
+//! | [`radiosity`] | scene, elements, form factors, solver, vertex light; no engine in it | always |
+//! | [`mesh`] | refinement that keeps shared edges together, position classes | always |
+#![cfg_attr(
+    feature = "gltf",
+    doc = "| [`gltf`] | glTF in and out, without Bevy | `gltf` |"
+)]
+#![cfg_attr(
+    feature = "bevy",
+    doc = "| [`plugin`] | the vertex attribute that carries baked light in Bevy | `bevy` |"
+)]
+//!
+//! The feature `parallel` bakes on all cores; results are the same bytes with and without it.
+//!
+//! # If something looks wrong
+//!
+//! - **It is black.** Read the notes of the report: it says so when no light reaches any surface,
+//!   which is mostly a one-sided lamp that faces the wrong way.
+//! - **It is blotchy.** The report's sampling error is above a percent or two: use a finer preset.
+//! - **Shadows are coarse or missing.** Light lives on vertices: give long walls more of them with
+//!   [`max_edge`](radiosity::BakeSettings::max_edge).
+//! - **Light leaks under a wall.** A face runs under the wall and carries the light of both sides;
+//!   split it where the wall stands.
+
 #[cfg(feature = "gltf")]
 pub mod gltf;
 pub mod mesh;
+#[cfg(feature = "bevy")]
+pub mod plugin;
 pub mod radiosity;

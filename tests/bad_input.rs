@@ -1,5 +1,7 @@
 //! Bad input gives an error that names the thing, or a repair that is counted; never a panic or NaN.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on panics")]
+
 mod common;
 
 use bevy_fresco::radiosity::{

@@ -1,5 +1,7 @@
 //! How a bake behaves: determinism, progress, cancelling, refinement.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on panics")]
+
 mod common;
 
 use std::sync::Mutex;

@@ -1,5 +1,7 @@
 //! Lights, shadows, transparency and sides, against what can be worked out by hand.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on panics")]
+
 mod common;
 
 use bevy_fresco::radiosity::{

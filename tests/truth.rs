@@ -1,5 +1,7 @@
 //! Bakes of scenes whose answer is known in closed form.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on panics")]
+
 mod common;
 
 use bevy_fresco::radiosity::{BakeSettings, bake};

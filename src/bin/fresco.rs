@@ -1,1 +1,3 @@
+//! The `fresco` command.
+
 fn main() {}

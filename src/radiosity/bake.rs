@@ -1,19 +1,17 @@
 use std::time::Instant;
 
-use glam::{DVec3, Vec3};
-
 use super::baked::{Bake, ObjectLight};
 use super::direct::direct;
 use super::element::Elements;
 use super::emitter::{EmitterTree, Emitters};
+use super::findings::Findings;
 use super::fit::{Fit, fit};
-use super::form_factor::{HitList, trace};
-use super::gather::{Gather, TriangleSamples};
+use super::form_factor::trace;
+use super::gather::Gather;
 use super::observer::{Observer, Stage};
 use super::occlusion::{NO_TRIANGLE, Occluders};
 use super::parallel::Cancelled;
 use super::receiver_mesh::ReceiverMeshes;
-use super::report::{Counts, EnergyBalance, Report};
 use super::settings::{BakeSettings, InvalidSetting};
 use super::solve::{Solution, gauss_seidel};
 use super::surface::Surfaces;
@@ -121,22 +119,20 @@ pub fn bake(
     let fitted = fit(&samples, receivers.unknowns, &receivers.seams);
     let stages = clock.finish(observer)?;
 
-    let mut report = Report {
-        stages,
-        counts: counts(
-            scene, settings, &receivers, &elements, &tree, &samples, &fitted,
-        ),
-        bytes: occluders.bytes()
-            + elements.bytes()
-            + traced.rows.bytes()
-            + (samples.len() * size_of::<TriangleSamples>()) as u64,
-        energy: energy(&elements, &traced.rows, &arrived, &solution),
-        solver: solution.report,
-        sampling_error: fitted.sampling_error,
-        mean_light: fitted.mean,
-        notes: scene.notes.clone(),
+    let findings = Findings {
+        scene,
+        settings,
+        receivers: &receivers,
+        elements: &elements,
+        tree: &tree,
+        rows: &traced.rows,
+        arrived: &arrived,
+        solution: &solution,
+        lit_from_behind: &lit_from_behind,
+        samples: &samples,
+        fitted: &fitted,
     };
-    note_findings(&mut report, scene, &elements, &lit_from_behind, settings);
+    let report = findings.report(stages, occluders.bytes());
     Ok(Bake {
         objects: object_light(receivers, &fitted),
         report,
@@ -223,96 +219,4 @@ fn object_light(receivers: ReceiverMeshes, fitted: &Fit) -> Vec<ObjectLight> {
             mesh: mesh.refined,
         })
         .collect()
-}
-
-fn counts(
-    scene: &ValidScene,
-    settings: &BakeSettings,
-    receivers: &ReceiverMeshes,
-    elements: &Elements,
-    tree: &EmitterTree,
-    samples: &[TriangleSamples],
-    fitted: &Fit,
-) -> Counts {
-    let taken: u64 = samples.iter().map(|s| u64::from(s.taken)).sum();
-    let invalid = samples.iter().map(|s| u64::from(s.invalid)).sum();
-    let unknowns = || receivers.meshes.iter().flat_map(|m| &m.unknown);
-    let per_place =
-        u64::from(settings.emitter_rays) * u64::from(tree.len() > 0) + scene.lights.len() as u64;
-    Counts {
-        objects: scene.objects.len() as u64,
-        triangles: scene.triangles.len() as u64,
-        vertices: receivers.vertex_count() as u64,
-        elements: elements.len() as u64,
-        emitters: elements.emissive_triangles().count() as u64,
-        lights: scene.lights.len() as u64,
-        rays: elements.len() as u64 * u64::from(settings.element_rays)
-            + taken * u64::from(settings.gather_rays),
-        shadow_rays: (elements.len() as u64 + taken) * per_place,
-        samples: taken,
-        invalid_samples: invalid,
-        filled_vertices: unknowns().filter(|&&u| fitted.filled[u as usize]).count() as u64,
-        dark_vertices: unknowns().filter(|&&u| fitted.dark[u as usize]).count() as u64,
-    }
-}
-
-/// Adds up where the light went, over the elements.
-fn energy(
-    elements: &Elements,
-    rows: &HitList,
-    arrived: &[Vec3],
-    solution: &Solution,
-) -> EnergyBalance {
-    let mut balance = EnergyBalance::default();
-    for e in 0..elements.len() {
-        let area = f64::from(elements.area[e]);
-        let reflected = solution.reflected[e].as_dvec3();
-        balance.arrived += arrived[e].as_dvec3() * area;
-        balance.absorbed += (solution.arriving[e].as_dvec3() - reflected) * area;
-        balance.escaped += reflected * area * (1.0 - rows.row_sum(e));
-    }
-    balance
-}
-
-fn note_findings(
-    report: &mut Report,
-    scene: &ValidScene,
-    elements: &Elements,
-    behind: &[bool],
-    settings: &BakeSettings,
-) {
-    let notes = &mut report.notes;
-    if elements.clamped > 0 {
-        notes.push(format!(
-            "{} elements reflect more than {} of the light and were clamped to it",
-            elements.clamped, settings.max_reflectance
-        ));
-    }
-    for (object, _) in scene
-        .objects
-        .iter()
-        .zip(behind)
-        .filter(|(_, behind)| **behind)
-    {
-        notes.push(format!(
-            "object \"{}\" is double-sided and lit from behind: its vertices carry the light of the back",
-            object.name
-        ));
-    }
-    if !report.solver.converged {
-        notes.push(format!(
-            "the solver stopped after {} sweeps with an error of at most {:.2e}: raise max_sweeps or the tolerance",
-            report.solver.sweeps, report.solver.error_bound
-        ));
-    }
-    if report.counts.dark_vertices > 0 {
-        notes.push(format!(
-            "{} vertices belong to pieces of mesh that lie wholly inside other geometry and stay black",
-            report.counts.dark_vertices
-        ));
-    }
-    let unlit = report.energy.arrived == DVec3::ZERO;
-    if unlit {
-        notes.push("no light reaches any surface, the result is black: check where lights are, and which way one-sided emitters face".into());
-    }
 }

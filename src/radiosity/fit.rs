@@ -164,8 +164,8 @@ impl System {
                 for (entry, gram) in block.iter_mut().zip(sums.gram) {
                     *entry += gram * scale;
                 }
-                for k in 0..3 {
-                    system.right[t.unknowns[k] as usize] += right[k] * scale;
+                for (&u, light) in t.unknowns.iter().zip(right) {
+                    system.right[u as usize] += *light * scale;
                 }
                 let [xx, xy, xz, yy, yz, zz] = sums.gram;
                 for (k, row) in [xx + xy + xz, xy + yy + yz, xz + yz + zz]

@@ -31,6 +31,7 @@
 //! | `solve` | Gauss–Seidel with a mean-field correction |
 //! | `gather`, `fit` | irradiance inside triangles, fitted by vertex values |
 //! | `bake` | all of it, in one function |
+//! | `findings`, `report` | what it cost and how good it is |
 
 mod bake;
 mod baked;
@@ -38,6 +39,7 @@ mod bvh;
 mod direct;
 mod element;
 mod emitter;
+mod findings;
 mod fit;
 mod form_factor;
 mod gather;

@@ -61,11 +61,11 @@ pub struct Counts {
 /// light where it first meets a surface (sun and sky have no finite total).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyBalance {
-    /// Direct light on all elements: Σ A H_direct.
+    /// Direct light on all elements: `Σ A H_direct`.
     pub arrived: DVec3,
     /// Taken up by the surfaces: Σ A (1 − ρ) H.
     pub absorbed: DVec3,
-    /// Left through openings, or met a black back face, after a bounce: Σ A ρ H (1 − rowsum).
+    /// Left through openings, or met a black back face, after a bounce: `Σ A ρ H (1 − row sum)`.
     pub escaped: DVec3,
 }
 
@@ -89,9 +89,9 @@ pub struct SolverReport {
     pub sweeps: u32,
     /// Whether the tolerance was met.
     pub converged: bool,
-    /// Largest |E + ρFB − B| of any element and channel, in cd/m².
+    /// Largest `|E + ρFB − B|` of any element and channel, in cd/m².
     pub residual: f64,
-    /// Bound on the error that stopping early leaves in any element: residual / (1 − max ρ·rowsum),
+    /// Bound on the error that stopping early leaves in any element: residual / (1 − max(ρ · row sum)),
     /// in cd/m².
     pub error_bound: f64,
 }

@@ -75,7 +75,7 @@ impl BakeSettings {
     /// The default: about 2.8 % error on the Cornell box.
     pub const BALANCED: Self = Self {
         elements: 8_000,
-        element_rays: 32,
+        element_rays: 64,
         gather_rays: 64,
         samples_per_vertex: 12.0,
         emitter_rays: 32,
@@ -87,7 +87,7 @@ impl BakeSettings {
     /// can carry.
     pub const FINAL: Self = Self {
         elements: 16_000,
-        element_rays: 64,
+        element_rays: 128,
         gather_rays: 256,
         samples_per_vertex: 24.0,
         emitter_rays: 64,

@@ -149,11 +149,6 @@ impl ValidScene {
         let object = &self.objects[key.object as usize];
         &self.materials[object.material.0 as usize]
     }
-
-    /// From a world position in metres to internal units.
-    pub(crate) fn to_internal(&self, world: DVec3) -> Vec3 {
-        ((world - self.center) / f64::from(self.scale)).as_vec3()
-    }
 }
 
 impl Scene {

@@ -6,7 +6,7 @@ use bevy_fresco::radiosity::{Bake, Material, MaterialId, Object, Scene};
 use glam::{Vec3, Vec4};
 
 /// A grey diffuse material.
-pub fn grey(reflectance: f32, emission: f32) -> Material {
+pub(crate) fn grey(reflectance: f32, emission: f32) -> Material {
     Material {
         name: format!("grey {reflectance}"),
         base_color: Vec4::new(reflectance, reflectance, reflectance, 1.0),
@@ -16,7 +16,7 @@ pub fn grey(reflectance: f32, emission: f32) -> Material {
 }
 
 /// The quad `a`, `a + u`, `a + u + v`, `a + v` in `n × n` cells, facing `u × v`.
-pub fn quad(name: &str, a: Vec3, u: Vec3, v: Vec3, n: u32, material: u32) -> Object {
+pub(crate) fn quad(name: &str, a: Vec3, u: Vec3, v: Vec3, n: u32, material: u32) -> Object {
     let mut object = Object {
         name: name.into(),
         material: MaterialId(material),
@@ -42,7 +42,7 @@ pub fn quad(name: &str, a: Vec3, u: Vec3, v: Vec3, n: u32, material: u32) -> Obj
 
 /// The six walls of a box with a corner at the origin, facing inwards: floor, ceiling, then the
 /// walls at low x, high x, low z, high z. One material each.
-pub fn room(size: Vec3, n: u32, materials: [u32; 6]) -> Vec<Object> {
+pub(crate) fn room(size: Vec3, n: u32, materials: [u32; 6]) -> Vec<Object> {
     let (x, y, z) = (Vec3::X * size.x, Vec3::Y * size.y, Vec3::Z * size.z);
     let [floor, ceiling, low_x, high_x, low_z, high_z] = materials;
     vec![
@@ -56,7 +56,7 @@ pub fn room(size: Vec3, n: u32, materials: [u32; 6]) -> Vec<Object> {
 }
 
 /// The unit sphere seen from inside: an octahedron's faces cut into `n²`, moved onto the sphere.
-pub fn inward_sphere(n: u32, material: u32) -> Object {
+pub(crate) fn inward_sphere(n: u32, material: u32) -> Object {
     let mut object = Object {
         name: "sphere".into(),
         material: MaterialId(material),
@@ -94,7 +94,7 @@ pub fn inward_sphere(n: u32, material: u32) -> Object {
 }
 
 /// All vertex light of a bake, one channel.
-pub fn values(bake: &Bake) -> Vec<f32> {
+pub(crate) fn values(bake: &Bake) -> Vec<f32> {
     bake.objects
         .iter()
         .flat_map(|o| o.light.iter().map(|l| l.x))
@@ -102,7 +102,7 @@ pub fn values(bake: &Bake) -> Vec<f32> {
 }
 
 /// Area-weighted mean of an object's vertex light, one channel.
-pub fn mean_over(object: &Object, light: &[Vec3]) -> f64 {
+pub(crate) fn mean_over(object: &Object, light: &[Vec3]) -> f64 {
     let (mut sum, mut total) = (0.0, 0.0);
     for t in &object.triangles {
         let [a, b, c] = t.map(|v| object.positions[v as usize].as_dvec3());
@@ -119,7 +119,7 @@ pub fn mean_over(object: &Object, light: &[Vec3]) -> f64 {
 }
 
 /// A scene of objects and materials, nothing else.
-pub fn scene(objects: Vec<Object>, materials: Vec<Material>) -> Scene {
+pub(crate) fn scene(objects: Vec<Object>, materials: Vec<Material>) -> Scene {
     Scene {
         objects,
         materials,

@@ -127,6 +127,7 @@ pub(crate) fn split_in_four(triangle: u32) -> RefinedMesh {
             middle(0.5, 0.0, 0.5),
         ],
         triangles: vec![[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
+        sources: vec![triangle; 4],
     }
 }
 

@@ -30,7 +30,7 @@ pub(crate) struct HitList {
 }
 
 impl HitList {
-    /// Σ_j F_ij x_j for element `e`.
+    /// `Σ_j F_ij x_j` for element `e`.
     pub(crate) fn gather(&self, e: usize, values: &[Vec3A]) -> DVec3 {
         // A miss is beyond the end: one comparison for both.
         let value = |id: u32| values.get(id as usize).copied().unwrap_or(Vec3A::ZERO);
@@ -53,7 +53,7 @@ impl HitList {
         sum / self.rays as f64
     }
 
-    /// Σ_j F_ij for element `e`: 1 where no ray escapes.
+    /// `Σ_j F_ij` for element `e`: 1 where no ray escapes.
     pub(crate) fn row_sum(&self, e: usize) -> f64 {
         f64::from(self.hits[e]) / self.rays as f64
     }
