@@ -135,7 +135,7 @@ fn whole(c: &mut Criterion) {
             ..BakeSettings::BALANCED
         };
         group.bench_function(format!("{elements} elements"), |b| {
-            b.iter(|| run(&scene, &settings))
+            b.iter(|| run(&scene, &settings));
         });
     }
     group.finish();
