@@ -23,7 +23,7 @@ struct Node {
     children: [Child; 4],
 }
 
-/// Up to four triangles; unused lanes repeat the first.
+/// Up to four triangles; unused lanes hold NaN, which nothing meets.
 struct Leaf {
     /// `corners[corner][axis]`, lanes are triangles.
     corners: [[Vec4; 3]; 3],
@@ -204,15 +204,17 @@ impl Node {
 
 impl Leaf {
     fn new(triangles: &[u32], corners: &[[Vec3; 3]]) -> Self {
-        let lanes: [u32; 4] =
-            std::array::from_fn(|lane| *triangles.get(lane).unwrap_or(&triangles[0]));
+        let corner_of = |lane: usize, corner: usize, axis: usize| {
+            let triangle = triangles.get(lane);
+            triangle.map_or(f32::NAN, |&t| corners[t as usize][corner][axis])
+        };
         Self {
             corners: std::array::from_fn(|corner| {
                 std::array::from_fn(|axis| {
-                    Vec4::from_array(lanes.map(|t| corners[t as usize][corner][axis]))
+                    Vec4::from_array(std::array::from_fn(|lane| corner_of(lane, corner, axis)))
                 })
             }),
-            triangles: lanes,
+            triangles: std::array::from_fn(|lane| triangles.get(lane).copied().unwrap_or(u32::MAX)),
         }
     }
 

@@ -66,7 +66,7 @@ fn at_element(
             normal: point.normal,
             triangle: point.triangle,
         };
-        sum += lights(&scene.lights, occluders, &receiver, seed);
+        sum += lights(&scene.lights, occluders, &receiver);
         sum += emitters.sample(
             elements,
             occluders,
@@ -79,16 +79,10 @@ fn at_element(
 }
 
 /// Direct light (irradiance / π) of all lights without a surface, one shadow ray each.
-pub(crate) fn lights(
-    lights: &[Light],
-    occluders: &Occluders,
-    receiver: &Receiver,
-    seed: u32,
-) -> Vec3 {
+pub(crate) fn lights(lights: &[Light], occluders: &Occluders, receiver: &Receiver) -> Vec3 {
     lights
         .iter()
-        .enumerate()
-        .map(|(i, light)| {
+        .map(|light| {
             let Some(arrival) = arrival(light, receiver.position) else {
                 return Vec3::ZERO;
             };
@@ -96,18 +90,13 @@ pub(crate) fn lights(
             if cosine <= 0.0 || arrival.normal_irradiance == Vec3::ZERO {
                 return Vec3::ZERO;
             }
-            let visible = occluders.visible(
+            let passing = occluders.transmittance(
                 receiver.position,
                 arrival.direction,
                 arrival.distance,
                 [receiver.triangle, NO_TRIANGLE],
-                hash(seed, i as u32),
             );
-            if visible {
-                arrival.normal_irradiance * (cosine * FRAC_1_PI)
-            } else {
-                Vec3::ZERO
-            }
+            arrival.normal_irradiance * (passing * cosine * FRAC_1_PI)
         })
         .sum()
 }

@@ -286,7 +286,6 @@ impl<'a> Emitters<'a> {
                 leaf,
                 barycentrics,
                 probability,
-                hash(seed, i),
             );
         }
         sum / count
@@ -302,7 +301,6 @@ impl<'a> Emitters<'a> {
         leaf: &Leaf,
         b: Vec3,
         probability: f32,
-        seed: u32,
     ) -> Vec3 {
         let [p, q, r] = leaf.corners;
         let point = p * b.x + q * b.y + r * b.z;
@@ -320,18 +318,14 @@ impl<'a> Emitters<'a> {
         if emission == Vec3::ZERO || !density.is_finite() || density <= 0.0 {
             return Vec3::ZERO;
         }
-        let visible = occluders.visible(
+        let passing = occluders.transmittance(
             receiver.position,
             direction,
             distance - OFFSET,
             [receiver.triangle, leaf.triangle],
-            seed,
         );
-        if !visible {
-            return Vec3::ZERO;
-        }
         let weight = self.sampling_weight(density, cosine);
-        emission * (cosine / std::f32::consts::PI / density * weight)
+        emission * (passing * cosine / std::f32::consts::PI / density * weight)
     }
 
     /// Emission that a ray of density cos/π came upon, times the weight of rays against samples.

@@ -17,9 +17,15 @@ pub(crate) struct Fit {
     pub(crate) dark: Vec<bool>,
 }
 
-/// How strongly neighbouring vertices are pulled together, as a share of the samples' own pull:
-/// light with sharp edges keeps them, gathered light is smooth and its noise is not.
+/// How strongly neighbouring vertices are at least pulled together, as a share of the samples' own
+/// pull: light with sharp edges keeps them, gathered light is smooth and its noise is not.
 const SMOOTHING: [f32; 2] = [0.001, 0.01];
+
+/// Stronger smoothing is tried in steps of this factor, up to the samples' own pull.
+const STEP: f32 = 4.0;
+
+/// Below this share of the mean, errors are no longer counted relative to the light.
+const DARK: f64 = 0.1;
 
 /// Vertices of two objects at one place take their mean if the darker has at least this share of
 /// the brighter's light; below it, something stands between them.
@@ -44,9 +50,20 @@ const MAX_ITERATIONS: usize = 500;
 /// with `L` the graph Laplacian of a triangle. Where there are no samples only the second term is
 /// left: its minimum is the harmonic fill from the vertices around, along the mesh and so never
 /// through a wall.
+///
+/// How much λ is right depends on the noise. The half-sets tell: a fit to one is judged by the
+/// samples of the other (cross-validation), and λ grows as long as that gets better.
 pub(crate) fn fit(triangles: &[TriangleSamples], unknowns: usize, seams: &[Vec<u32>]) -> Fit {
-    let mut whole = solve_halves(triangles, unknowns, &[0, 1]);
-    let [a, b] = [[0], [1]].map(|half| solve_halves(triangles, unknowns, &half));
+    let mut whole = vec![Vec3::ZERO; unknowns];
+    let mut difference = vec![Vec3::ZERO; unknowns];
+    for kind in 0..SMOOTHING.len() {
+        let chosen = choose_smoothing(triangles, unknowns, kind);
+        let solved = solve(triangles, unknowns, &[0, 1], kind, chosen.smoothing);
+        for i in 0..unknowns {
+            whole[i] += solved[i];
+            difference[i] += chosen.fits[0][i] - chosen.fits[1][i];
+        }
+    }
     let mut area = vec![0.0_f32; unknowns];
     let mut sampled = vec![false; unknowns];
     for t in triangles {
@@ -68,7 +85,7 @@ pub(crate) fn fit(triangles: &[TriangleSamples], unknowns: usize, seams: &[Vec<u
             / total
     };
     let level = mean(&|i| luminance(whole[i]));
-    let variance = mean(&|i| (0.5 * luminance(a[i] - b[i])).powi(2));
+    let variance = mean(&|i| (0.5 * luminance(difference[i])).powi(2));
     let dark = unreached(triangles, &sampled);
     Fit {
         sampling_error: if level > 0.0 {
@@ -115,15 +132,88 @@ fn luminance(c: Vec3) -> f64 {
     f64::from(c.dot(Vec3::new(0.2126, 0.7152, 0.0722)))
 }
 
-/// Fits to some of the half-sets, both kinds of light.
-fn solve_halves(triangles: &[TriangleSamples], unknowns: usize, halves: &[usize]) -> Vec<Vec3> {
-    let mut light = vec![Vec3::ZERO; unknowns];
-    for (kind, smoothing) in SMOOTHING.into_iter().enumerate() {
-        let system = System::new(triangles, unknowns, halves, kind, smoothing);
-        for (sum, x) in light.iter_mut().zip(system.solve()) {
-            // Overshoot beside a shadow's edge must not go below darkness.
-            *sum += x.max(Vec3::ZERO);
+/// Fits to each half-set and the smoothing they were made with.
+struct Chosen {
+    smoothing: f32,
+    fits: [Vec<Vec3>; 2],
+    error: f64,
+}
+
+/// The smoothing with which each half-set foretells the other best.
+fn choose_smoothing(triangles: &[TriangleSamples], unknowns: usize, kind: usize) -> Chosen {
+    let attempt = |smoothing| {
+        let fits = [0, 1].map(|half| solve(triangles, unknowns, &[half], kind, smoothing));
+        let error = squared_error(triangles, &fits[0], 1, kind)
+            + squared_error(triangles, &fits[1], 0, kind);
+        Chosen {
+            smoothing,
+            fits,
+            error,
         }
+    };
+    // A half-set is twice as noisy as the whole, which wants one step less: keep the one before.
+    let mut chosen = attempt(SMOOTHING[kind]);
+    let mut best = attempt(SMOOTHING[kind] * STEP);
+    if best.error >= chosen.error {
+        return chosen;
+    }
+    while best.smoothing * STEP <= 1.0 {
+        let next = attempt(best.smoothing * STEP);
+        if next.error >= best.error {
+            break;
+        }
+        chosen = std::mem::replace(&mut best, next);
+    }
+    chosen
+}
+
+/// Σ w (fit − E)² / E² over the samples of a half-set, less what is the same for every fit.
+///
+/// Relative to the light around, as eyes judge it: else the brightest spot would decide alone.
+fn squared_error(triangles: &[TriangleSamples], light: &[Vec3], half: usize, kind: usize) -> f64 {
+    let level = |t: &TriangleSamples| -> f64 {
+        let light = |h: usize| {
+            t.halves[h]
+                .light(kind)
+                .iter()
+                .map(|&l| luminance(l))
+                .sum::<f64>()
+        };
+        let weight = |h: usize| f64::from(t.halves[h].weight());
+        (light(0) + light(1)) / (weight(0) + weight(1)).max(f64::MIN_POSITIVE)
+    };
+    let area: f64 = triangles.iter().map(|t| f64::from(t.area)).sum();
+    let mean = triangles
+        .iter()
+        .map(|t| level(t) * f64::from(t.area))
+        .sum::<f64>()
+        / area.max(f64::MIN_POSITIVE);
+    let error = |t: &TriangleSamples| {
+        let sums = &t.halves[half];
+        let [a, b, c] = t.unknowns.map(|u| light[u as usize]);
+        let [aa, ab, ac, bb, bc, cc] = sums.gram;
+        let own =
+            a * a * aa + b * b * bb + c * c * cc + (a * b * ab + a * c * ac + b * c * bc) * 2.0;
+        let [x, y, z] = sums.light(kind);
+        let cross = a * x + b * y + c * z;
+        let scale = level(t).powi(2) + (DARK * mean).powi(2);
+        f64::from((own - cross * 2.0).element_sum()) / scale.max(f64::MIN_POSITIVE)
+    };
+    triangles.iter().map(error).sum()
+}
+
+/// Vertex values for some of the half-sets and one kind of light.
+fn solve(
+    triangles: &[TriangleSamples],
+    unknowns: usize,
+    halves: &[usize],
+    kind: usize,
+    smoothing: f32,
+) -> Vec<Vec3> {
+    let mut light = System::new(triangles, unknowns, halves, kind, smoothing).solve();
+    for x in &mut light {
+        // Overshoot beside a shadow's edge must not go below darkness.
+        *x = x.max(Vec3::ZERO);
     }
     light
 }
@@ -156,16 +246,17 @@ impl System {
         };
         let mut weight = vec![0.0_f32; unknowns];
         for t in triangles {
-            let pull = smoothing * (t.area * scale).max(1e-6);
+            // A half-set pulls half as much.
+            let pull = 0.5 * halves.len() as f32 * smoothing * (t.area * scale).max(1e-6);
             let mut block = [2.0 * pull, -pull, -pull, 2.0 * pull, -pull, 2.0 * pull];
             for &half in halves {
                 let sums = &t.halves[half];
-                let right = if kind == 0 { &sums.sharp } else { &sums.smooth };
+                let right = sums.light(kind);
                 for (entry, gram) in block.iter_mut().zip(sums.gram) {
                     *entry += gram * scale;
                 }
                 for (&u, light) in t.unknowns.iter().zip(right) {
-                    system.right[u as usize] += *light * scale;
+                    system.right[u as usize] += light * scale;
                 }
                 let [xx, xy, xz, yy, yz, zz] = sums.gram;
                 for (k, row) in [xx + xy + xz, xy + yy + yz, xz + yz + zz]

@@ -23,6 +23,17 @@ pub(crate) struct TriangleSums {
 }
 
 impl TriangleSums {
+    /// Σ w b E of light with sharp edges (0) or gathered by rays (1).
+    pub(crate) fn light(&self, kind: usize) -> [Vec3; 3] {
+        if kind == 0 { self.sharp } else { self.smooth }
+    }
+
+    /// Σ w.
+    pub(crate) fn weight(&self) -> f32 {
+        let [xx, xy, xz, yy, yz, zz] = self.gram;
+        xx + yy + zz + 2.0 * (xy + xz + yz)
+    }
+
     fn add(&mut self, weight: f32, b: Vec3, sharp: Vec3, smooth: Vec3) {
         let products = [
             b.x * b.x,
@@ -178,12 +189,7 @@ impl Gather<'_> {
             .emitters
             .sample(self.elements, self.occluders, &receiver, seed, block);
         if self.settings.direct == DirectLight::Baked {
-            sharp += lights(
-                &self.scene.lights,
-                self.occluders,
-                &receiver,
-                hash(seed, index),
-            );
+            sharp += lights(&self.scene.lights, self.occluders, &receiver);
         }
         Some((sharp, smooth))
     }

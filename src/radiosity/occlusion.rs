@@ -93,25 +93,31 @@ impl<'a> Occluders<'a> {
         best
     }
 
-    /// Whether nothing stands between `origin` and the point at `distance` along `direction`.
-    pub(crate) fn visible(
+    /// The share of light that gets from `origin` to the point at `distance` along `direction`:
+    /// 0 if anything opaque stands between, else the product of what each surface lets through.
+    ///
+    /// It is the mean of what [`Self::closest`] decides by chance, without its noise.
+    pub(crate) fn transmittance(
         &self,
         origin: Vec3,
         direction: Vec3,
         distance: f32,
         skip: [u32; 2],
-        seed: u32,
-    ) -> bool {
-        let mut blocked = false;
+    ) -> f32 {
+        let mut passing = 1.0;
         self.bvh
             .traverse(&Ray::new(origin, direction), distance, |found| {
-                if skip.contains(&found.triangle) || self.passes(found.triangle, found.uv, seed) {
+                if skip.contains(&found.triangle) {
                     return distance;
                 }
-                blocked = true;
-                0.0
+                passing *= if self.transmits[found.triangle as usize] {
+                    1.0 - self.surfaces.alpha(found.triangle, found.uv)
+                } else {
+                    0.0
+                };
+                if passing > 0.0 { distance } else { 0.0 }
             });
-        !blocked
+        passing
     }
 
     /// Whether light can pass a live triangle in part.
