@@ -211,11 +211,43 @@ fn solve(
     smoothing: f32,
 ) -> Vec<Vec3> {
     let mut light = System::new(triangles, unknowns, halves, kind, smoothing).solve();
-    for x in &mut light {
-        // Overshoot beside a shadow's edge must not go below darkness.
-        *x = x.max(Vec3::ZERO);
+    let limits = overshoot_limits(triangles, unknowns, halves, kind);
+    for (x, (lowest, highest)) in light.iter_mut().zip(limits) {
+        *x = x.max(lowest).min(highest.max(lowest));
     }
     light
+}
+
+/// How far the fit may overshoot beside an edge of light: below a fifth of the darkest or above five times
+/// the brightest triangle around, a vertex would be a dark or bright spot that is not there.
+fn overshoot_limits(
+    triangles: &[TriangleSamples],
+    unknowns: usize,
+    halves: &[usize],
+    kind: usize,
+) -> Vec<(Vec3, Vec3)> {
+    let mut limits = vec![(Vec3::INFINITY, Vec3::ZERO); unknowns];
+    for t in triangles {
+        let weight: f32 = halves.iter().map(|&h| t.halves[h].weight()).sum();
+        if weight <= 0.0 {
+            continue;
+        }
+        let sum: Vec3 = halves.iter().flat_map(|&h| t.halves[h].light(kind)).sum();
+        let mean = sum / weight;
+        for &u in &t.unknowns {
+            let (lowest, highest) = &mut limits[u as usize];
+            *lowest = lowest.min(0.2 * mean);
+            *highest = highest.max(5.0 * mean);
+        }
+    }
+    let known = |(lowest, highest): (Vec3, Vec3)| {
+        if lowest.x.is_finite() {
+            (lowest, highest)
+        } else {
+            (Vec3::ZERO, Vec3::MAX)
+        }
+    };
+    limits.into_iter().map(known).collect()
 }
 
 /// The normal equations, kept as one symmetric 3×3 matrix a triangle.

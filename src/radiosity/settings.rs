@@ -75,7 +75,7 @@ impl BakeSettings {
     /// The default: about 2.8 % error on the Cornell box.
     pub const BALANCED: Self = Self {
         elements: 8_000,
-        element_rays: 64,
+        element_rays: 48,
         gather_rays: 64,
         samples_per_vertex: 12.0,
         emitter_rays: 32,
