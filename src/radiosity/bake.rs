@@ -192,17 +192,25 @@ fn live_by_object(scene: &ValidScene) -> Vec<Vec<u32>> {
     live
 }
 
-/// Which objects are seen from behind: double-sided ones whose front gets next to no light.
+/// Which objects are seen from behind: double-sided ones whose front gets next to no light, beside
+/// their back and beside the scene.
 ///
 /// A vertex has one value, and a room modelled inside out would otherwise be black.
 fn lit_from_behind(scene: &ValidScene, elements: &Elements, solution: &Solution) -> Vec<bool> {
-    let mut sums = vec![[0.0_f64; 2]; scene.objects.len()];
+    // Light and area of each object's front and back.
+    let mut sums = vec![[(0.0_f64, 0.0_f64); 2]; scene.objects.len()];
     for (e, light) in solution.arriving.iter().enumerate() {
-        let side = usize::from(elements.is_back(e));
-        sums[elements.object(scene, e)][side] += f64::from(light.element_sum() * elements.area[e]);
+        let side = &mut sums[elements.object(scene, e)][usize::from(elements.is_back(e))];
+        side.0 += f64::from(light.element_sum() * elements.area[e]);
+        side.1 += f64::from(elements.area[e]);
     }
-    sums.into_iter()
-        .map(|[front, back]| front < 0.02 * back)
+    let mean = |(light, area): (f64, f64)| if area > 0.0 { light / area } else { 0.0 };
+    let all = sums
+        .iter()
+        .flatten()
+        .fold((0.0, 0.0), |a, s| (a.0 + s.0, a.1 + s.1));
+    sums.iter()
+        .map(|&[front, back]| mean(front) < 0.02 * mean(back).min(mean(all)))
         .collect()
 }
 
