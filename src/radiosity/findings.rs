@@ -3,7 +3,7 @@ use std::time::Duration;
 use glam::{DVec3, Vec3};
 
 use super::element::Elements;
-use super::emitter::EmitterTree;
+use super::emitter_tree::EmitterTree;
 use super::fit::Fit;
 use super::form_factor::HitList;
 use super::gather::TriangleSamples;

@@ -21,12 +21,12 @@
 //!
 //! | file | what happens |
 //! |---|---|
-//! | `scene`, `light`, `validate` | what goes in, checked once |
+//! | `scene`, `light`, `validate`, `mend` | what goes in, checked and mended once |
 //! | `surface`, `texture` | reflectance, emission and transparency of any point |
 //! | `receiver_mesh` | the meshes that carry light, split and welded |
 //! | `element` | the pieces of surface the system is solved on |
 //! | `occlusion` | rays against the input triangles |
-//! | `emitter`, `direct` | light that arrives without a bounce |
+//! | `emitter`, `emitter_tree`, `direct` | light that arrives without a bounce |
 //! | `form_factor` | rows of `F` as lists of ray hits |
 //! | `solve` | Gauss–Seidel with a mean-field correction |
 //! | `gather`, `fit` | irradiance inside triangles, fitted by vertex values |
@@ -39,11 +39,13 @@ mod bvh;
 mod direct;
 mod element;
 mod emitter;
+mod emitter_tree;
 mod findings;
 mod fit;
 mod form_factor;
 mod gather;
 mod light;
+mod mend;
 mod observer;
 mod occlusion;
 mod parallel;

@@ -1,0 +1,397 @@
+use glam::{Vec2, Vec3};
+
+use super::element::{ElementId, Elements, area};
+use super::emitter::Receiver;
+use super::observer::{Observer, Stage};
+use super::occlusion::{OFFSET, Occluders};
+use super::parallel::{Cancelled, map_ranges};
+use super::sampling::{cosine_hemisphere, frame, hash, sobol};
+use super::validate::ValidScene;
+
+/// The emissive triangles that are worth sampling, in a tree that picks one by what it may send to
+/// a receiver (Conty and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
+/// Splitting").
+pub(crate) struct EmitterTree {
+    nodes: Vec<Node>,
+    pub(crate) leaves: Vec<Leaf>,
+    /// Leaf of each live triangle.
+    pub(crate) leaf_of: Vec<Option<u32>>,
+}
+
+#[derive(Clone, Copy)]
+pub(crate) struct Leaf {
+    pub(crate) triangle: u32,
+    pub(crate) corners: [Vec3; 3],
+    pub(crate) normal: Vec3,
+    pub(crate) area: f32,
+    pub(crate) two_sided: bool,
+    /// Position in the tree.
+    node: u32,
+}
+
+#[derive(Clone, Copy)]
+struct Node {
+    center: Vec3,
+    radius: f32,
+    /// Mean normal, and the cosine of the cone around it that holds all normals; −1 for any.
+    axis: Vec3,
+    cone_cosine: f32,
+    /// Luminous power, relative.
+    power: f32,
+    /// Left child (right child follows `left_count` nodes later) or leaf.
+    content: Content,
+    parent: u32,
+}
+
+#[derive(Clone, Copy)]
+enum Content {
+    Leaf(u32),
+    Children(u32, u32),
+}
+
+/// Above this share of all rays a material's emitters are left to be found by rays.
+const WIDE: f32 = 0.1;
+
+/// Rays of the survey that measures how much of the view each emissive material fills.
+const SURVEY_RAYS: usize = 4096;
+
+impl EmitterTree {
+    /// Builds the tree over the emitters that are worth sampling.
+    pub(crate) fn new(
+        scene: &ValidScene,
+        elements: &Elements,
+        occluders: &Occluders,
+        seed: u32,
+        observer: &dyn Observer,
+    ) -> Result<Self, Cancelled> {
+        let mut leaves: Vec<Leaf> = Vec::new();
+        let mut powers = Vec::new();
+        if elements.emissive_triangles().next().is_some() {
+            let views = survey(scene, elements, occluders, seed, observer)?;
+            for (t, two_sided) in elements.emissive_triangles() {
+                let key = scene.triangles[t as usize];
+                let material = scene.objects[key.object as usize].material.0 as usize;
+                if views[material] > WIDE {
+                    continue;
+                }
+                let leaf = Leaf::new(scene, t, two_sided);
+                powers.push(leaf.area * mean_emission(elements, t));
+                leaves.push(leaf);
+            }
+        }
+        let mut leaf_of = vec![None; scene.triangles.len()];
+        for (i, leaf) in leaves.iter().enumerate() {
+            leaf_of[leaf.triangle as usize] = Some(i as u32);
+        }
+        let mut emitters = Self {
+            nodes: Vec::new(),
+            leaves,
+            leaf_of,
+        };
+        let mut order: Vec<u32> = (0..emitters.leaves.len() as u32).collect();
+        if !order.is_empty() {
+            emitters.build(&mut order, &powers, u32::MAX);
+        }
+        Ok(emitters)
+    }
+
+    /// Number of emissive triangles that are sampled.
+    pub(crate) fn len(&self) -> usize {
+        self.leaves.len()
+    }
+
+    /// Median split by power-free centroid along the longest axis; returns the node's index.
+    fn build(&mut self, order: &mut [u32], powers: &[f32], parent: u32) -> u32 {
+        let index = self.nodes.len() as u32;
+        let mut node = self.bound(order, powers);
+        node.parent = parent;
+        self.nodes.push(node);
+        if let [leaf] = *order {
+            self.leaves[leaf as usize].node = index;
+            self.nodes[index as usize].content = Content::Leaf(leaf);
+            return index;
+        }
+        let leaves = &self.leaves;
+        let centroid = |l: &u32| leaves[*l as usize].centroid();
+        let (low, high) = order
+            .iter()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), l| {
+                (lo.min(centroid(l)), hi.max(centroid(l)))
+            });
+        let axis = (high - low).max_position();
+        order.sort_by(|a, b| {
+            centroid(a)[axis]
+                .total_cmp(&centroid(b)[axis])
+                .then(a.cmp(b))
+        });
+        let (left, right) = order.split_at_mut(order.len() / 2);
+        let left = self.build(left, powers, index);
+        let right = self.build(right, powers, index);
+        self.nodes[index as usize].content = Content::Children(left, right);
+        index
+    }
+
+    fn bound(&self, order: &[u32], powers: &[f32]) -> Node {
+        let members = || order.iter().map(|&l| &self.leaves[l as usize]);
+        let (low, high) = members()
+            .flat_map(|l| l.corners)
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| {
+                (lo.min(p), hi.max(p))
+            });
+        let center = 0.5 * (low + high);
+        let radius = members()
+            .flat_map(|l| l.corners)
+            .map(|p| p.distance(center))
+            .fold(0.0, f32::max);
+        let axis = members()
+            .map(|l| l.normal * l.area)
+            .sum::<Vec3>()
+            .normalize_or_zero();
+        let any_way = axis == Vec3::ZERO || members().any(|l| l.two_sided);
+        let cone_cosine = members().map(|l| l.normal.dot(axis)).fold(1.0, f32::min);
+        Node {
+            center,
+            radius,
+            axis,
+            cone_cosine: if any_way { -1.0 } else { cone_cosine },
+            power: order.iter().map(|&l| powers[l as usize]).sum(),
+            content: Content::Leaf(0),
+            parent: u32::MAX,
+        }
+    }
+
+    /// Walks down the tree by `u`; the leaf and the probability with which it is chosen.
+    fn choose(&self, receiver: &Receiver, mut u: f32) -> Option<(u32, f32)> {
+        let (mut index, mut probability) = (0, 1.0);
+        loop {
+            let (left, right) = match self.nodes[index as usize].content {
+                Content::Leaf(leaf) => return Some((leaf, probability)),
+                Content::Children(left, right) => (left, right),
+            };
+            let share = self.left_share(receiver, left, right)?;
+            if u < share {
+                (index, probability, u) = (left, probability * share, u / share);
+            } else {
+                (index, probability, u) = (
+                    right,
+                    probability * (1.0 - share),
+                    (u - share) / (1.0 - share),
+                );
+            }
+        }
+    }
+
+    /// The probability with which [`Self::choose`] finds a leaf.
+    pub(crate) fn probability(&self, receiver: &Receiver, leaf: u32) -> f32 {
+        let mut index = self.leaves[leaf as usize].node;
+        let mut probability = 1.0;
+        while self.nodes[index as usize].parent != u32::MAX {
+            let parent = self.nodes[index as usize].parent;
+            let Content::Children(left, right) = self.nodes[parent as usize].content else {
+                return 0.0;
+            };
+            let Some(share) = self.left_share(receiver, left, right) else {
+                return 0.0;
+            };
+            probability *= if index == left { share } else { 1.0 - share };
+            index = parent;
+        }
+        probability
+    }
+
+    fn left_share(&self, receiver: &Receiver, left: u32, right: u32) -> Option<f32> {
+        let [l, r] = [left, right].map(|n| self.nodes[n as usize].importance(receiver));
+        (l + r > 0.0).then(|| l / (l + r))
+    }
+}
+
+/// How one receiver chooses among the emitters: the same distribution for all its samples.
+pub(crate) enum Choices {
+    /// Few emitters: all leaves with a chance, each with the sum of probabilities up to it and its
+    /// own. Finds the same leaf as walking down the tree would, at a fraction of the cost.
+    Table(Vec<(u32, f32, f32)>),
+    /// Many: walk down the tree each time.
+    Walk,
+}
+
+/// Up to so many emitters a table is cheaper than walking.
+const TABLE: usize = 64;
+
+impl Choices {
+    pub(crate) fn new(tree: &EmitterTree, receiver: &Receiver) -> Self {
+        if tree.leaves.len() > TABLE {
+            return Self::Walk;
+        }
+        let mut table = Vec::with_capacity(tree.leaves.len());
+        // A tree of one leaf has no choice to make, but may still be out of sight.
+        if tree.nodes[0].importance(receiver) > 0.0 {
+            Self::fill(tree, receiver, 0, 1.0, &mut table);
+        }
+        Self::Table(table)
+    }
+
+    fn fill(
+        tree: &EmitterTree,
+        receiver: &Receiver,
+        node: u32,
+        probability: f32,
+        table: &mut Vec<(u32, f32, f32)>,
+    ) {
+        match tree.nodes[node as usize].content {
+            Content::Leaf(leaf) => {
+                let before = table.last().map_or(0.0, |entry| entry.1);
+                table.push((leaf, before + probability, probability));
+            }
+            Content::Children(left, right) => {
+                let Some(share) = tree.left_share(receiver, left, right) else {
+                    return;
+                };
+                for (child, share) in [(left, share), (right, 1.0 - share)] {
+                    if share > 0.0 {
+                        Self::fill(tree, receiver, child, probability * share, table);
+                    }
+                }
+            }
+        }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        matches!(self, Self::Table(table) if table.is_empty())
+    }
+
+    pub(crate) fn choose(
+        &self,
+        tree: &EmitterTree,
+        receiver: &Receiver,
+        u: f32,
+    ) -> Option<(u32, f32)> {
+        match self {
+            Self::Walk => tree.choose(receiver, u),
+            Self::Table(table) => {
+                // Parts of the tree that cannot be seen leave the sum below 1: their share is dark.
+                let entry = table.iter().find(|entry| u < entry.1);
+                entry.map(|&(leaf, _, probability)| (leaf, probability))
+            }
+        }
+    }
+}
+
+impl Node {
+    /// An estimate, zero only where it is sure, of the light a node can send to a receiver.
+    fn importance(&self, receiver: &Receiver) -> f32 {
+        let to = self.center - receiver.position;
+        let distance_squared = to.length_squared();
+        let radius_squared = self.radius * self.radius;
+        if distance_squared <= radius_squared {
+            return self.power / radius_squared.max(f32::MIN_POSITIVE);
+        }
+        let direction = to / distance_squared.sqrt();
+        // Half angle under which the node is seen.
+        let sine_squared = radius_squared / distance_squared;
+        let spread = Vec2::new((1.0 - sine_squared).max(0.0).sqrt(), sine_squared.sqrt());
+        let receives = cosine_minus(receiver.normal.dot(direction), spread);
+        let cone = Vec2::new(
+            self.cone_cosine,
+            (1.0 - self.cone_cosine * self.cone_cosine).max(0.0).sqrt(),
+        );
+        let sends = if self.cone_cosine <= -1.0 {
+            1.0
+        } else {
+            // cos max(0, θ − cone − spread), from the sum of both angles.
+            let both = Vec2::new(
+                cone.x * spread.x - cone.y * spread.y,
+                cone.y * spread.x + cone.x * spread.y,
+            );
+            if both.y < 0.0 {
+                1.0
+            } else {
+                cosine_minus(-self.axis.dot(direction), both)
+            }
+        };
+        self.power * receives.max(0.0) * sends.max(0.0) / distance_squared
+    }
+}
+
+/// cos max(0, θ − α) for cosines of θ and the cosine and sine of α, both in 0..π.
+fn cosine_minus(cosine: f32, angle: Vec2) -> f32 {
+    if cosine >= angle.x {
+        return 1.0;
+    }
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    cosine * angle.x + sine * angle.y
+}
+
+impl Leaf {
+    fn new(scene: &ValidScene, triangle: u32, two_sided: bool) -> Self {
+        let corners = scene.corners(scene.triangles[triangle as usize]);
+        let [a, b, c] = corners;
+        Self {
+            triangle,
+            corners,
+            normal: (b - a)
+                .as_dvec3()
+                .cross((c - a).as_dvec3())
+                .normalize()
+                .as_vec3(),
+            area: area(corners),
+            two_sided,
+            node: 0,
+        }
+    }
+
+    fn centroid(&self) -> Vec3 {
+        (self.corners[0] + self.corners[1] + self.corners[2]) / 3.0
+    }
+}
+
+fn mean_emission(elements: &Elements, triangle: u32) -> f32 {
+    let sides = [false, true].map(|back| {
+        let mid = elements.emission_at(triangle, [1.0 / 3.0; 2], back);
+        mid.element_sum()
+    });
+    // A texture may be dark in the middle of a triangle that shines elsewhere.
+    (sides[0].max(sides[1])).max(1e-6)
+}
+
+/// The share of the view that each emissive material fills, averaged over all surfaces.
+fn survey(
+    scene: &ValidScene,
+    elements: &Elements,
+    occluders: &Occluders,
+    seed: u32,
+    observer: &dyn Observer,
+) -> Result<Vec<f32>, Cancelled> {
+    // Elements chosen evenly, each ray counted by the area it stands for.
+    let rays = SURVEY_RAYS.min(16 * elements.len());
+    let chunks = map_ranges(rays, 256, Stage::Direct, observer, |range| {
+        let mut seen = vec![0.0_f32; scene.materials.len()];
+        let mut total = 0.0;
+        for i in range {
+            let element = i * elements.len() / rays;
+            let area = elements.area[element];
+            total += area;
+            let [u, v, s, t] = sobol(i as u32, 2, seed);
+            let point = elements.point(scene, ElementId(element as u32), u, v);
+            let direction = frame(point.normal) * cosine_hemisphere(s, t);
+            let origin = point.position + point.normal * OFFSET;
+            let Some(hit) =
+                occluders.closest(origin, direction, point.triangle, hash(seed, i as u32))
+            else {
+                continue;
+            };
+            if elements.emission_at(hit.triangle, hit.uv, hit.back) != Vec3::ZERO {
+                let key = scene.triangles[hit.triangle as usize];
+                seen[scene.objects[key.object as usize].material.0 as usize] += area;
+            }
+        }
+        (seen, total)
+    })?;
+    let total: f32 = chunks.iter().map(|c| c.1).sum();
+    let mut views = vec![0.0; scene.materials.len()];
+    for (seen, _) in chunks {
+        for (view, seen) in views.iter_mut().zip(seen) {
+            *view += seen / total.max(f32::MIN_POSITIVE);
+        }
+    }
+    Ok(views)
+}
