@@ -28,6 +28,8 @@ pub struct GltfScene {
     /// Vertices of an object are those of the primitive, in the same order; so are its triangles,
     /// though wound the other way under a mirrored node.
     pub objects: Vec<PrimitiveKey>,
+    /// Whether the triangles of each object were turned around, because its node is mirrored.
+    pub flipped: Vec<bool>,
     /// Which node each of the scene's lights was made from, in the same order.
     pub light_nodes: Vec<usize>,
     /// The first camera of the scene.
@@ -80,6 +82,7 @@ pub(super) fn import(path: &Path, bytes: &[u8]) -> Result<GltfScene, GltfError> 
         document,
         scene: result.scene,
         objects: result.objects,
+        flipped: result.flipped,
         light_nodes: result.light_nodes,
         camera: result.camera,
         notes: result.notes,
@@ -90,6 +93,7 @@ pub(super) fn import(path: &Path, bytes: &[u8]) -> Result<GltfScene, GltfError> 
 struct Imported {
     scene: Scene,
     objects: Vec<PrimitiveKey>,
+    flipped: Vec<bool>,
     light_nodes: Vec<usize>,
     camera: Option<GltfCamera>,
     notes: Vec<String>,
@@ -152,6 +156,8 @@ impl<'a> Importer<'a> {
             camera_of(self.root, node, world, origin, &mut self.notes)
         });
         let objects = self.placed.iter().map(|placed| placed.key).collect();
+        let flipped = self.placed.iter().map(|placed| placed.geometry.flipped);
+        let flipped = flipped.collect();
         for placed in std::mem::take(&mut self.placed) {
             scene.objects.push(finish(placed, origin, &mut self.notes)?);
         }
@@ -160,6 +166,7 @@ impl<'a> Importer<'a> {
         Ok(Imported {
             scene,
             objects,
+            flipped,
             light_nodes,
             camera,
             notes: self.notes.into_list(),

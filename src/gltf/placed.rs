@@ -109,6 +109,7 @@ fn normal_matrix(m: &DMat3) -> DMat3 {
 }
 
 fn flip(geometry: &mut Geometry) {
+    geometry.flipped = !geometry.flipped;
     for triangle in &mut geometry.triangles {
         triangle.swap(1, 2);
     }

@@ -17,6 +17,8 @@ pub(super) struct Geometry {
     pub(super) uvs: Vec<Vec<Vec2>>,
     pub(super) colors: Vec<Vec4>,
     pub(super) triangles: Vec<[u32; 3]>,
+    /// Whether the triangles were turned around.
+    pub(super) flipped: bool,
     /// Joints and weights, the same number (a multiple of four) for every vertex; or none.
     pub(super) joints: Vec<u32>,
     pub(super) weights: Vec<f32>,

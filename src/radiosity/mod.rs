@@ -32,6 +32,8 @@
 //! | `gather`, `fit` | irradiance inside triangles, fitted by vertex values |
 //! | `bake` | all of it, in one function |
 //! | `findings`, `report` | what it cost and how good it is |
+//! | `estimate` | what it will cost |
+//! | `preview` | a picture to judge it by |
 
 mod bake;
 mod baked;
@@ -40,6 +42,7 @@ mod direct;
 mod element;
 mod emitter;
 mod emitter_tree;
+mod estimate;
 mod findings;
 mod fit;
 mod form_factor;
@@ -49,6 +52,7 @@ mod mend;
 mod observer;
 mod occlusion;
 mod parallel;
+mod preview;
 mod receiver_mesh;
 mod report;
 mod sampling;
@@ -61,8 +65,10 @@ mod validate;
 
 pub use bake::{BakeError, bake};
 pub use baked::{Bake, ObjectLight};
+pub use estimate::{Estimate, estimate, estimate_counts};
 pub use light::{Light, LightKind};
 pub use observer::{Observer, Stage};
+pub use preview::{Camera, Picture, PreviewSettings, Projection, preview};
 pub use report::{Counts, EnergyBalance, Report, SolverReport};
 pub use scene::{
     AlphaMode, Material, MaterialId, Object, ObjectId, Scene, Texture, TextureId, TextureRef, Wrap,

@@ -15,10 +15,12 @@ pub enum Stage {
     Gather,
     /// Vertex values are fitted to the gathered irradiance.
     Fit,
+    /// A picture of the result is drawn: not part of a bake, see [`preview`](super::preview).
+    Preview,
 }
 
 impl Stage {
-    /// All stages, in the order they run.
+    /// All stages of a bake, in the order they run.
     pub const ALL: [Self; 7] = [
         Self::Mesh,
         Self::Occlusion,
@@ -39,6 +41,7 @@ impl Stage {
             Self::Solve => "solve",
             Self::Gather => "gather",
             Self::Fit => "fit vertices",
+            Self::Preview => "preview",
         }
     }
 }

@@ -125,6 +125,39 @@ impl<'a> Occluders<'a> {
         self.transmits[triangle as usize]
     }
 
+    /// The nearest surface that a camera shows along a ray: `culled` ones are see-through from
+    /// behind. Surfaces there in part are passed where their alpha is below `threshold` (0..1),
+    /// shifted by triangle so that layers do not hide each other.
+    pub(crate) fn shown(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        culled: &[bool],
+        threshold: f32,
+    ) -> Option<Hit> {
+        let mut best: Option<Hit> = None;
+        let mut limit = f32::INFINITY;
+        self.bvh
+            .traverse(&Ray::new(origin, direction), limit, |found| {
+                let t = found.triangle;
+                let see_through = (found.back && culled[t as usize])
+                    || (self.transmits[t as usize]
+                        && self.surfaces.alpha(t, found.uv)
+                            <= (threshold + unit_float(hash(0xA1FA, t))).fract());
+                if !see_through {
+                    limit = found.distance;
+                    best = Some(Hit {
+                        triangle: t,
+                        distance: found.distance,
+                        uv: found.uv,
+                        back: found.back,
+                    });
+                }
+                limit
+            });
+        best
+    }
+
     /// Whether a ray goes through a surface that is there only in part.
     fn passes(&self, triangle: u32, uv: [f32; 2], seed: u32) -> bool {
         self.transmits[triangle as usize]

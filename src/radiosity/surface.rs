@@ -64,6 +64,16 @@ impl<'a> Surfaces<'a> {
         )
     }
 
+    /// Base colour and emitted radiance of a point of a live triangle, read over `area` (a share of
+    /// the triangle's).
+    pub(crate) fn look(&self, triangle: u32, uv: [f32; 2], area: f32) -> (Vec3, Vec3) {
+        let material = self.scene.material(self.scene.triangles[triangle as usize]);
+        let barycentrics = Vec3::new(1.0 - uv[0] - uv[1], uv[0], uv[1]);
+        let base = self.base_color(triangle, material, barycentrics, area);
+        let glow = self.at(triangle, material, barycentrics, area).emission;
+        (base.xyz(), glow)
+    }
+
     /// Whether a live triangle looks the same everywhere.
     fn uniform(&self, triangle: u32) -> bool {
         let key = self.scene.triangles[triangle as usize];

@@ -1,0 +1,195 @@
+use std::time::Instant;
+
+use super::bake::BakeError;
+use super::element::{ElementId, Elements, area, element_seed};
+use super::observer::{Observer, Stage};
+use super::occlusion::Occluders;
+use super::parallel::map_ranges;
+use super::receiver_mesh::ReceiverMeshes;
+use super::sampling::{cosine_hemisphere, frame, sobol};
+use super::settings::BakeSettings;
+use super::surface::Surfaces;
+use super::validate::ValidScene;
+
+/// What a bake would take.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// Vertices of the result.
+    pub vertices: u64,
+    /// Radiosity elements.
+    pub elements: u64,
+    /// Samples inside triangles.
+    pub samples: u64,
+    /// Closest-hit rays.
+    pub rays: u64,
+    /// Shadow rays.
+    pub shadow_rays: u64,
+    /// Memory at the peak, in bytes, with the scene itself.
+    pub bytes: u64,
+    /// Wall time in seconds; 0 if it was not measured.
+    pub seconds: f64,
+}
+
+/// Above this many vertices the split is estimated and not tried out.
+const TRY_VERTICES: u64 = 2_000_000;
+
+/// Triangles of a split mesh, by area in squares of the longest edge allowed: edges end between
+/// half the limit and the limit, most of them near 0.7 of it.
+const SPLIT_TRIANGLES: f64 = 5.0;
+
+/// Time a bake spends beside its rays, as a share of the time for them.
+const OVERHEAD: f64 = 1.15;
+
+/// A shadow ray stops at the first thing it meets, but comes with the choice of an emitter.
+const SHADOW_RAY: f64 = 1.0;
+
+/// Rays that the rate is measured with.
+const PROBES: usize = 32_768;
+
+/// Counts what a bake would have, without doing any of it: fast, and rough where edges are split.
+pub fn estimate_counts(scene: &ValidScene, settings: &BakeSettings) -> Estimate {
+    let (vertices, triangles) = mesh_size(scene, settings);
+    let two_sided = scene
+        .triangles
+        .iter()
+        .any(|&t| scene.material(t).double_sided);
+    let elements = u64::from(settings.elements) * if two_sided { 2 } else { 1 };
+    let mut estimate = Estimate {
+        vertices,
+        elements,
+        ..Estimate::default()
+    };
+    estimate.count_rays(scene, settings, triangles);
+    estimate
+}
+
+/// Estimates what a bake would take, splitting the mesh and measuring the speed of rays.
+///
+/// # Errors
+///
+/// As [`bake`](super::bake).
+pub fn estimate(
+    scene: &ValidScene,
+    settings: &BakeSettings,
+    observer: &dyn Observer,
+) -> Result<Estimate, BakeError> {
+    settings.check()?;
+    let mut estimate = estimate_counts(scene, settings);
+    if estimate.vertices < TRY_VERTICES {
+        let receivers = ReceiverMeshes::new(scene, settings.max_edge)?;
+        estimate.vertices = receivers.vertex_count() as u64;
+        let triangles = receivers.meshes.iter().map(|m| m.triangles.len() as u64);
+        let triangles = triangles.sum();
+        drop(receivers);
+        estimate.count_rays(scene, settings, triangles);
+    }
+    let started = Instant::now();
+    let surfaces = Surfaces::new(scene);
+    let elements = Elements::new(
+        scene,
+        &surfaces,
+        settings.elements,
+        settings.max_reflectance,
+    );
+    let occluders = Occluders::new(scene, &surfaces);
+    let set_up = started.elapsed().as_secs_f64();
+    estimate.elements = elements.len() as u64;
+    let started = Instant::now();
+    let per_element = PROBES.div_ceil(elements.len());
+    let step = (elements.len() * per_element / PROBES).max(1);
+    let probed = elements.len() / step;
+    map_ranges(probed, 64, Stage::Occlusion, observer, |range| {
+        range
+            .map(|i| probe(scene, &elements, &occluders, i * step, per_element))
+            .sum::<usize>()
+    })?;
+    let per_ray = started.elapsed().as_secs_f64() / (probed * per_element).max(1) as f64;
+    let rays = estimate.rays as f64 + SHADOW_RAY * estimate.shadow_rays as f64;
+    estimate.seconds = set_up + OVERHEAD * per_ray * rays;
+    Ok(estimate)
+}
+
+impl Estimate {
+    fn count_rays(&mut self, scene: &ValidScene, settings: &BakeSettings, triangles: u64) {
+        let wanted = f64::from(settings.samples_per_vertex) * self.vertices as f64;
+        // At least two samples a triangle, whatever is asked.
+        self.samples = (wanted as u64).clamp(2 * triangles, 256 * triangles.max(1));
+        self.rays = self.elements * u64::from(settings.element_rays)
+            + self.samples * u64::from(settings.gather_rays);
+        let emits = (scene.triangles.iter())
+            .any(|&t| scene.material(t).emissive.max_element() > 0.0 && !scene.material(t).unlit);
+        let shadow_rays =
+            u64::from(settings.emitter_rays) * u64::from(emits) + scene.lights.len() as u64;
+        self.shadow_rays = (self.elements + self.samples) * shadow_rays;
+        self.bytes = bytes(scene, settings, self, triangles);
+    }
+}
+
+/// Vertices and triangles after splitting.
+fn mesh_size(scene: &ValidScene, settings: &BakeSettings) -> (u64, u64) {
+    let (mut vertices, mut triangles) = (0.0_f64, 0.0_f64);
+    for object in &scene.objects {
+        let given = object.triangles.len() as f64;
+        // Without normals every corner gets a vertex of its own, at worst.
+        let mut own = object.positions.len() as f64;
+        if object.normals.is_empty() {
+            own = own.max(3.0 * given);
+        }
+        let Some(max_edge) = settings.max_edge else {
+            vertices += own;
+            triangles += given;
+            continue;
+        };
+        let square = (f64::from(max_edge) / f64::from(scene.scale)).powi(2);
+        let split: f64 = object
+            .triangles
+            .iter()
+            .map(|t| {
+                let corners = t.map(|v| object.positions[v as usize]);
+                (SPLIT_TRIANGLES * f64::from(area(corners)) / square).max(1.0)
+            })
+            .sum();
+        triangles += split;
+        // A large mesh has half as many vertices as triangles.
+        vertices += own + 0.5 * (split - given);
+    }
+    (vertices as u64, triangles as u64)
+}
+
+/// Bytes at the peak: measured on scenes with many triangles, vertices or elements, and rounded up.
+fn bytes(scene: &ValidScene, settings: &BakeSettings, counts: &Estimate, triangles: u64) -> u64 {
+    const FIXED: u64 = 16 << 20;
+    const PER_INPUT_TRIANGLE: u64 = 900;
+    const PER_VERTEX: u64 = 400;
+    const PER_TRIANGLE: u64 = 600;
+    const PER_ELEMENT: u64 = 200;
+    // Eight-bit texels, and their pyramid in four floats.
+    const PER_TEXEL: u64 = 4 + 22;
+    let texels: usize = scene.textures.iter().map(|t| t.texels.len()).sum();
+    FIXED
+        + PER_INPUT_TRIANGLE * scene.triangles.len() as u64
+        + PER_VERTEX * counts.vertices
+        + PER_TRIANGLE * triangles
+        + (PER_ELEMENT + 8 * u64::from(settings.element_rays)) * counts.elements
+        + PER_TEXEL * texels as u64
+}
+
+/// Rays from one element, as the bake shoots them. Returns how many hit something.
+fn probe(
+    scene: &ValidScene,
+    elements: &Elements,
+    occluders: &Occluders,
+    element: usize,
+    rays: usize,
+) -> usize {
+    let id = ElementId(element as u32);
+    let seed = element_seed(id, 0xE571);
+    let hits = (0..rays).filter(|&i| {
+        let [u, v, w, x] = sobol(i as u32, 0, seed);
+        let point = elements.point(scene, id, u, v);
+        let direction = frame(point.normal) * cosine_hemisphere(w, x);
+        let hit = occluders.closest(point.position, direction, point.triangle, seed);
+        hit.is_some()
+    });
+    hits.count()
+}
