@@ -142,11 +142,7 @@ fn candidates(sights: &[Sight], middle: Vec3, radius: f32, aspect: f32) -> Vec<C
     for tilt in [0.06_f32, 0.3, 0.6] {
         for turn in 0..16_u8 {
             let turn = f32::from(turn) * std::f32::consts::TAU / 16.0;
-            let direction = Vec3::new(
-                turn.sin() * tilt.cos(),
-                tilt.sin(),
-                turn.cos() * tilt.cos(),
-            );
+            let direction = Vec3::new(turn.sin() * tilt.cos(), tilt.sin(), turn.cos() * tilt.cos());
             found.push(Candidate {
                 position: middle + direction * distance,
                 target: middle,
@@ -201,7 +197,11 @@ fn worth(view: &View, lens: &Lens, sight: &Sight) -> f32 {
     let distance = to.length();
     let direction = to / distance;
     let cosine = -direction.dot(sight.normal);
-    let cosine = if sight.two_sided { cosine.abs() } else { cosine };
+    let cosine = if sight.two_sided {
+        cosine.abs()
+    } else {
+        cosine
+    };
     if cosine <= 0.0 {
         return 0.0;
     }

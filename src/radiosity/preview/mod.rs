@@ -163,7 +163,8 @@ impl View<'_> {
         let cells = (0..GRID).flat_map(|y| (0..GRID).map(move |x| (x, y)));
         let seen = cells.filter_map(|(x, y)| {
             let [u, v, ..] = sobol(0, 0, hash(x, hash(y, 0x960B)));
-            let at = |cell: u32, jitter: f32, size: f32| (cell as f32 + jitter) * size / GRID as f32;
+            let at =
+                |cell: u32, jitter: f32, size: f32| (cell as f32 + jitter) * size / GRID as f32;
             let (x, y) = (at(x, u, lens.width), at(y, v, lens.height));
             match self.look(lens, x, y, 0.5) {
                 Seen::Surface { reflected, .. } => Some(reflected),
