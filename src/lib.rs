@@ -53,6 +53,7 @@
     feature = "gltf",
     doc = "| [`gltf`] | glTF in and out, without Bevy | `gltf` |"
 )]
+#![cfg_attr(feature = "cli", doc = "| [`cli`] | the `fresco` command | `cli` |")]
 #![cfg_attr(
     feature = "bevy",
     doc = "| [`plugin`] | the vertex attribute that carries baked light in Bevy | `bevy` |"
@@ -70,6 +71,8 @@
 //! - **Light leaks under a wall.** A face runs under the wall and carries the light of both sides;
 //!   split it where the wall stands.
 
+#[cfg(feature = "cli")]
+pub mod cli;
 #[cfg(feature = "gltf")]
 pub mod gltf;
 pub mod mesh;
