@@ -105,12 +105,13 @@ pub fn bake(
     );
     clock.next(Stage::Gather, observer)?;
     let lit_from_behind = lit_from_behind(scene, &elements, &solution);
+    let bright = EmitterTree::bright(scene, &elements, &solution.reflected);
     let samples = Gather {
         scene,
         occluders: &occluders,
         elements: &elements,
         emitters: Emitters::at_samples(&tree, settings),
-        reflected: &solution.reflected,
+        reflectors: Emitters::bright_at_samples(&bright, &solution.reflected, settings),
         lit_from_behind: &lit_from_behind,
         live: &live_by_object(scene),
         settings,

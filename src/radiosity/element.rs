@@ -1,8 +1,9 @@
 use std::collections::{HashMap, VecDeque};
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use super::occlusion::Hit;
+use super::receiver_mesh::face_normal;
 use super::sampling::{hash, sobol, triangle as triangle_point};
 use super::surface::Surfaces;
 use super::validate::ValidScene;
@@ -25,7 +26,7 @@ pub(crate) struct Elements {
     /// Area that stops light, in squared internal units.
     pub(crate) area: Vec<f32>,
     /// Share of the whole area that stops light.
-    coverage: Vec<f32>,
+    pub(crate) coverage: Vec<f32>,
     /// How many elements had their reflectance clamped.
     pub(crate) clamped: u32,
     /// First piece of each element, and one past the last.
@@ -112,6 +113,17 @@ impl Elements {
         self.area.len()
     }
 
+    /// Area-weighted mean of a value, its channels added up.
+    pub(crate) fn mean(&self, values: &[Vec3A]) -> f32 {
+        let areas = || self.area.iter().map(|&a| f64::from(a));
+        let sum: f64 = values
+            .iter()
+            .zip(areas())
+            .map(|(v, a)| f64::from(v.element_sum()) * a)
+            .sum();
+        (sum / areas().sum::<f64>().max(f64::MIN_POSITIVE)) as f32
+    }
+
     /// The element that a ray hit; `None` for the black back of a one-sided surface.
     pub(crate) fn at(&self, hit: &Hit) -> Option<ElementId> {
         let cells = self.cells[hit.triangle as usize];
@@ -186,6 +198,27 @@ impl Elements {
     pub(crate) fn covered_emission_at(&self, triangle: u32, uv: [f32; 2], back: bool) -> Vec3 {
         self.side_at(triangle, uv, back).map_or(Vec3::ZERO, |e| {
             self.emission[e.0 as usize] * self.coverage[e.0 as usize]
+        })
+    }
+
+    /// The triangles that an element is made of, each with its live triangle, its corners and the
+    /// unit normal of the element's side.
+    pub(crate) fn shape<'a>(
+        &'a self,
+        scene: &'a ValidScene,
+        element: ElementId,
+    ) -> impl Iterator<Item = (u32, [Vec3; 3], Vec3)> + 'a {
+        let e = element.0 as usize;
+        let pieces = &self.pieces[self.first_piece[e] as usize..self.first_piece[e + 1] as usize];
+        pieces.iter().map(|piece| {
+            let n = self.cells[piece.triangle as usize].n;
+            let whole = scene.corners(scene.triangles[piece.triangle as usize]);
+            let corners = Vec3::AXES.map(|corner| {
+                let b = in_cell(corner, piece.cell, n);
+                whole[0] * b.x + whole[1] * b.y + whole[2] * b.z
+            });
+            let side = if piece.back { -1.0 } else { 1.0 };
+            (piece.triangle, corners, face_normal(whole) * side)
         })
     }
 

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use super::element::Elements;
 use super::emitter_tree::{Choices, EmitterTree, Leaf};
@@ -20,9 +20,19 @@ use super::settings::BakeSettings;
 /// alone, which find them without noise.
 #[derive(Clone, Copy)]
 pub(crate) struct Emitters<'a> {
-    pub(crate) tree: &'a EmitterTree,
+    tree: &'a EmitterTree,
+    light: Light<'a>,
     pub(crate) samples: u32,
-    pub(crate) rays: u32,
+    rays: u32,
+}
+
+/// What shines in a tree.
+#[derive(Clone, Copy)]
+enum Light<'a> {
+    /// Emission of triangles.
+    Emission,
+    /// Reflected light of elements.
+    Reflected(&'a [Vec3A]),
 }
 
 /// A point that receives light.
@@ -41,6 +51,7 @@ impl<'a> Emitters<'a> {
     pub(crate) fn at_elements(tree: &'a EmitterTree, settings: &BakeSettings) -> Self {
         Self {
             tree,
+            light: Light::Emission,
             samples: settings.emitter_rays,
             rays: settings.element_rays,
         }
@@ -50,6 +61,21 @@ impl<'a> Emitters<'a> {
     pub(crate) fn at_samples(tree: &'a EmitterTree, settings: &BakeSettings) -> Self {
         Self {
             tree,
+            light: Light::Emission,
+            samples: settings.emitter_rays,
+            rays: settings.gather_rays,
+        }
+    }
+
+    /// For the samples inside the triangles of a bake, of elements that reflect much light.
+    pub(crate) fn bright_at_samples(
+        tree: &'a EmitterTree,
+        reflected: &'a [Vec3A],
+        settings: &BakeSettings,
+    ) -> Self {
+        Self {
+            tree,
+            light: Light::Reflected(reflected),
             samples: settings.emitter_rays,
             rays: settings.gather_rays,
         }
@@ -115,7 +141,14 @@ impl<'a> Emitters<'a> {
         {
             return Vec3::ZERO;
         }
-        let emission = elements.covered_emission_at(leaf.triangle, [b.y, b.z], facing < 0.0);
+        let emission = match self.light {
+            Light::Emission => {
+                elements.covered_emission_at(leaf.triangle, [b.y, b.z], facing < 0.0)
+            }
+            Light::Reflected(light) => {
+                Vec3::from(light[leaf.source as usize]) * elements.coverage[leaf.source as usize]
+            }
+        };
         let density = probability / leaf.area * distance * distance / facing.abs();
         if emission == Vec3::ZERO || !density.is_finite() || density <= 0.0 {
             return Vec3::ZERO;
@@ -130,7 +163,7 @@ impl<'a> Emitters<'a> {
         emission * (passing * cosine / std::f32::consts::PI / density * weight)
     }
 
-    /// Emission that a ray of density cos/π came upon, times the weight of rays against samples.
+    /// Light that a ray of density cos/π came upon, times the weight of rays against samples.
     pub(crate) fn found_by_ray(
         &self,
         elements: &Elements,
@@ -138,18 +171,27 @@ impl<'a> Emitters<'a> {
         direction: Vec3,
         hit: &Hit,
     ) -> Vec3 {
-        let emission = elements.emission_at(hit.triangle, hit.uv, hit.back);
-        if emission == Vec3::ZERO {
-            return Vec3::ZERO;
+        let (light, source) = match self.light {
+            Light::Emission => (
+                elements.emission_at(hit.triangle, hit.uv, hit.back),
+                hit.triangle,
+            ),
+            Light::Reflected(light) => match elements.at(hit) {
+                Some(e) => (Vec3::from(light[e.0 as usize]), e.0),
+                None => return Vec3::ZERO,
+            },
+        };
+        if light == Vec3::ZERO {
+            return light;
         }
-        let Some(leaf) = self.tree.leaf_of[hit.triangle as usize] else {
-            return emission;
+        let Some(leaf) = self.tree.leaf(source, hit.triangle) else {
+            return light;
         };
         let probability = self.tree.probability(receiver, leaf);
         let leaf = &self.tree.leaves[leaf as usize];
         let facing = leaf.normal.dot(direction).abs();
         let density = probability / leaf.area * hit.distance * hit.distance / facing;
-        emission * (1.0 - self.sampling_weight(density, receiver.normal.dot(direction)))
+        light * (1.0 - self.sampling_weight(density, receiver.normal.dot(direction)))
     }
 
     /// Veach and Guibas 1995: the power heuristic with exponent 2.

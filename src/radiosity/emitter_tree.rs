@@ -1,4 +1,4 @@
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec3A};
 
 use super::element::{ElementId, Elements, area};
 use super::emitter::Receiver;
@@ -14,8 +14,9 @@ use super::validate::ValidScene;
 pub(crate) struct EmitterTree {
     nodes: Vec<Node>,
     pub(crate) leaves: Vec<Leaf>,
-    /// Leaf of each live triangle.
-    pub(crate) leaf_of: Vec<Option<u32>>,
+    /// First leaf of each source: of each live triangle where emission is sampled, of each element
+    /// where reflected light is.
+    first_leaf: Vec<Option<u32>>,
 }
 
 #[derive(Clone, Copy)]
@@ -25,6 +26,8 @@ pub(crate) struct Leaf {
     pub(crate) normal: Vec3,
     pub(crate) area: f32,
     pub(crate) two_sided: bool,
+    /// Live triangle or element that shines.
+    pub(crate) source: u32,
     /// Position in the tree.
     node: u32,
 }
@@ -51,6 +54,12 @@ enum Content {
 
 /// Above this share of all rays a material's emitters are left to be found by rays.
 const WIDE: f32 = 0.1;
+
+/// Elements that reflect more than this many times the mean are sampled in the gather.
+const BRIGHT: f32 = 6.0;
+
+/// As many of them at most, the brightest.
+const MOST_BRIGHT: usize = 4096;
 
 /// Rays of the survey that measures how much of the view each emissive material fills.
 const SURVEY_RAYS: usize = 4096;
@@ -79,20 +88,69 @@ impl EmitterTree {
                 leaves.push(leaf);
             }
         }
-        let mut leaf_of = vec![None; scene.triangles.len()];
-        for (i, leaf) in leaves.iter().enumerate() {
-            leaf_of[leaf.triangle as usize] = Some(i as u32);
+        Ok(Self::over(leaves, &powers, scene.triangles.len()))
+    }
+
+    /// Builds the tree over elements that reflect far more light than others: the patch of sun on
+    /// the floor of a dark room, the ceiling above a lamp. Rays that find such an element by chance
+    /// would make bright specks.
+    pub(crate) fn bright(scene: &ValidScene, elements: &Elements, reflected: &[Vec3A]) -> Self {
+        let mean = elements.mean(reflected);
+        let mut bright: Vec<u32> = (0..elements.len() as u32)
+            .filter(|&e| reflected[e as usize].element_sum() > BRIGHT * mean)
+            .collect();
+        if bright.len() > MOST_BRIGHT {
+            let light = |e: &u32| reflected[*e as usize].element_sum();
+            bright.sort_by(|a, b| light(b).total_cmp(&light(a)).then(a.cmp(b)));
+            bright.truncate(MOST_BRIGHT);
         }
-        let mut emitters = Self {
+        let mut leaves = Vec::new();
+        let mut powers = Vec::new();
+        for e in bright {
+            for (triangle, corners, normal) in elements.shape(scene, ElementId(e)) {
+                powers.push(area(corners) * reflected[e as usize].element_sum());
+                leaves.push(Leaf {
+                    triangle,
+                    corners,
+                    normal,
+                    area: area(corners),
+                    two_sided: false,
+                    source: e,
+                    node: 0,
+                });
+            }
+        }
+        Self::over(leaves, &powers, elements.len())
+    }
+
+    /// Builds the tree; leaves of one source follow each other.
+    fn over(leaves: Vec<Leaf>, powers: &[f32], sources: usize) -> Self {
+        let mut first_leaf = vec![None; sources];
+        for (i, leaf) in leaves.iter().enumerate() {
+            first_leaf[leaf.source as usize].get_or_insert(i as u32);
+        }
+        let mut tree = Self {
             nodes: Vec::new(),
             leaves,
-            leaf_of,
+            first_leaf,
         };
-        let mut order: Vec<u32> = (0..emitters.leaves.len() as u32).collect();
+        let mut order: Vec<u32> = (0..tree.leaves.len() as u32).collect();
         if !order.is_empty() {
-            emitters.build(&mut order, &powers, u32::MAX);
+            tree.build(&mut order, powers, u32::MAX);
         }
-        Ok(emitters)
+        tree
+    }
+
+    /// The leaf of a source on a live triangle.
+    pub(crate) fn leaf(&self, source: u32, triangle: u32) -> Option<u32> {
+        let first = self.first_leaf[source as usize]?;
+        let leaves = self.leaves[first as usize..]
+            .iter()
+            .take_while(|l| l.source == source);
+        leaves
+            .zip(first..)
+            .find(|(l, _)| l.triangle == triangle)
+            .map(|(_, i)| i)
     }
 
     /// Number of emissive triangles that are sampled.
@@ -335,6 +393,7 @@ impl Leaf {
                 .as_vec3(),
             area: area(corners),
             two_sided,
+            source: triangle,
             node: 0,
         }
     }

@@ -1,4 +1,4 @@
-use glam::{Vec3, Vec3A};
+use glam::Vec3;
 
 use super::direct::lights;
 use super::element::Elements;
@@ -70,8 +70,8 @@ pub(crate) struct Gather<'a> {
     pub(crate) occluders: &'a Occluders<'a>,
     pub(crate) elements: &'a Elements,
     pub(crate) emitters: Emitters<'a>,
-    /// Reflected light of each element.
-    pub(crate) reflected: &'a [Vec3A],
+    /// The reflected light of elements, the brightest of them sampled.
+    pub(crate) reflectors: Emitters<'a>,
     /// For each object, whether the back of its surfaces is the side to light.
     pub(crate) lit_from_behind: &'a [bool],
     /// For each triangle of each object, its live index or [`NO_TRIANGLE`].
@@ -184,10 +184,11 @@ impl Gather<'_> {
             triangle: live,
         };
         let smooth = self.gather_rays(place, &receiver, index, seed)?;
-        let block = index * self.emitters.samples..(index + 1) * self.emitters.samples;
-        let mut sharp = self
-            .emitters
-            .sample(self.elements, self.occluders, &receiver, seed, block);
+        let sampled = |from: &Emitters, seed| {
+            let block = index * from.samples..(index + 1) * from.samples;
+            from.sample(self.elements, self.occluders, &receiver, seed, block)
+        };
+        let mut sharp = sampled(&self.emitters, seed) + sampled(&self.reflectors, hash(seed, 2));
         if self.settings.direct == DirectLight::Baked {
             sharp += lights(&self.scene.lights, self.occluders, &receiver);
         }
@@ -221,11 +222,12 @@ impl Gather<'_> {
                 sum += self.scene.sky;
                 continue;
             };
-            match self.elements.at(&hit) {
-                Some(element) => sum += Vec3::from(self.reflected[element.0 as usize]),
-                // A leaf or a veil is a sheet, not the inside of anything.
-                None => inside += u32::from(!self.occluders.transmits(hit.triangle)),
-            }
+            let black = self.elements.at(&hit).is_none();
+            // A leaf or a veil is a sheet, not the inside of anything.
+            inside += u32::from(black && !self.occluders.transmits(hit.triangle));
+            sum += self
+                .reflectors
+                .found_by_ray(self.elements, receiver, direction, &hit);
             sum += self
                 .emitters
                 .found_by_ray(self.elements, receiver, direction, &hit);
