@@ -3,7 +3,7 @@ use std::time::Instant;
 use super::bake::BakeError;
 use super::element::{ElementId, Elements, area, element_seed};
 use super::observer::{Observer, Stage};
-use super::occlusion::Occluders;
+use super::occlusion::{OFFSET, Occluders};
 use super::parallel::map_ranges;
 use super::receiver_mesh::ReceiverMeshes;
 use super::sampling::{cosine_hemisphere, frame, sobol};
@@ -40,11 +40,9 @@ const SPLIT_TRIANGLES: f64 = 5.0;
 /// Time a bake spends beside its rays, as a share of the time for them.
 const OVERHEAD: f64 = 1.15;
 
-/// A shadow ray stops at the first thing it meets, but comes with the choice of an emitter.
-const SHADOW_RAY: f64 = 1.0;
-
-/// Rays that the rate is measured with.
-const PROBES: usize = 32_768;
+/// Places that the speed of rays is measured at, and rays from each.
+const PLACES: usize = 512;
+const RAYS: usize = 64;
 
 /// Counts what a bake would have, without doing any of it: fast, and rough where edges are split.
 pub fn estimate_counts(scene: &ValidScene, settings: &BakeSettings) -> Estimate {
@@ -95,16 +93,16 @@ pub fn estimate(
     let set_up = started.elapsed().as_secs_f64();
     estimate.elements = elements.len() as u64;
     let started = Instant::now();
-    let per_element = PROBES.div_ceil(elements.len());
-    let step = (elements.len() * per_element / PROBES).max(1);
-    let probed = elements.len() / step;
-    map_ranges(probed, 64, Stage::Occlusion, observer, |range| {
-        range
-            .map(|i| probe(scene, &elements, &occluders, i * step, per_element))
+    let step = (elements.len() / PLACES).max(1);
+    let places = elements.len() / step;
+    map_ranges(places, 8, Stage::Occlusion, observer, |range| {
+        let elements_of = range.map(|i| ElementId((i * step) as u32));
+        elements_of
+            .map(|e| probe(scene, &elements, &occluders, e))
             .sum::<usize>()
     })?;
-    let per_ray = started.elapsed().as_secs_f64() / (probed * per_element).max(1) as f64;
-    let rays = estimate.rays as f64 + SHADOW_RAY * estimate.shadow_rays as f64;
+    let per_ray = started.elapsed().as_secs_f64() / (places * RAYS).max(1) as f64;
+    let rays = estimate.rays as f64 + estimate.shadow_rays as f64;
     estimate.seconds = set_up + OVERHEAD * per_ray * rays;
     Ok(estimate)
 }
@@ -174,21 +172,21 @@ fn bytes(scene: &ValidScene, settings: &BakeSettings, counts: &Estimate, triangl
         + PER_TEXEL * texels as u64
 }
 
-/// Rays from one element, as the bake shoots them. Returns how many hit something.
+/// Rays from one place on an element, as the bake gathers them. Returns how many hit something.
 fn probe(
     scene: &ValidScene,
     elements: &Elements,
     occluders: &Occluders,
-    element: usize,
-    rays: usize,
+    element: ElementId,
 ) -> usize {
-    let id = ElementId(element as u32);
-    let seed = element_seed(id, 0xE571);
-    let hits = (0..rays).filter(|&i| {
-        let [u, v, w, x] = sobol(i as u32, 0, seed);
-        let point = elements.point(scene, id, u, v);
-        let direction = frame(point.normal) * cosine_hemisphere(w, x);
-        let hit = occluders.closest(point.position, direction, point.triangle, seed);
+    let seed = element_seed(element, 0xE571);
+    let point = elements.point(scene, element, 0.5, 0.5);
+    let origin = point.position + point.normal * OFFSET;
+    let around = frame(point.normal);
+    let hits = (0..RAYS).filter(|&i| {
+        let [u, v, ..] = sobol(i as u32, 0, seed);
+        let direction = around * cosine_hemisphere(u, v);
+        let hit = occluders.closest(origin, direction, point.triangle, seed);
         hit.is_some()
     });
     hits.count()

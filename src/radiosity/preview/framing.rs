@@ -17,10 +17,17 @@ const INSIDE_ANGLE: f32 = 1.10;
 /// Shorter than this share of the distance to the middle, a free line of sight is called blocked.
 const CLOSE: f32 = 0.3;
 
+/// What the back of a double-sided surface is worth: it shows the light of its front, so the
+/// outside of a room of such walls looks lit and is not.
+const BEHIND: f32 = 0.3;
+
+/// What a view from inside is worth beside one from outside, which shows how things hang together.
+const INSIDE: f32 = 0.8;
+
 /// A point that is worth seeing.
 struct Sight {
     position: Vec3,
-    /// Of the side that shows its light.
+    /// Unit, of its front.
     normal: Vec3,
     two_sided: bool,
     triangle: u32,
@@ -37,7 +44,7 @@ pub(super) fn find(view: &View, aspect: f32) -> Camera {
     let (middle, radius) = extent(&sights);
     let mut best = (0.0, None);
     for candidate in candidates(&sights, middle, radius, aspect) {
-        let score = score(view, &candidate, &sights, middle, aspect);
+        let score = candidate.weight * score(view, &candidate, &sights, middle, aspect);
         // A little better is not worth leaving the front for.
         if score > 1.02 * best.0 {
             best = (score, Some(candidate));
@@ -47,6 +54,7 @@ pub(super) fn find(view: &View, aspect: f32) -> Camera {
         position: middle + Vec3::Z * (3.0 * radius),
         target: middle,
         angle: OUTSIDE_ANGLE,
+        weight: 1.0,
     });
     candidate.camera(view)
 }
@@ -57,6 +65,8 @@ struct Candidate {
     position: Vec3,
     target: Vec3,
     angle: f32,
+    /// How such views are liked.
+    weight: f32,
 }
 
 impl Candidate {
@@ -147,6 +157,7 @@ fn candidates(sights: &[Sight], middle: Vec3, radius: f32, aspect: f32) -> Vec<C
                 position: middle + direction * distance,
                 target: middle,
                 angle: OUTSIDE_ANGLE,
+                weight: 1.0,
             });
         }
     }
@@ -161,6 +172,7 @@ fn candidates(sights: &[Sight], middle: Vec3, radius: f32, aspect: f32) -> Vec<C
                     position,
                     target: middle - Vec3::Y * (0.1 * size.y),
                     angle: INSIDE_ANGLE,
+                    weight: INSIDE,
                 });
             }
         }
@@ -197,12 +209,7 @@ fn worth(view: &View, lens: &Lens, sight: &Sight) -> f32 {
     let distance = to.length();
     let direction = to / distance;
     let cosine = -direction.dot(sight.normal);
-    let cosine = if sight.two_sided {
-        cosine.abs()
-    } else {
-        cosine
-    };
-    if cosine <= 0.0 {
+    if cosine <= 0.0 && !sight.two_sided {
         return 0.0;
     }
     let hit = view
@@ -212,7 +219,8 @@ fn worth(view: &View, lens: &Lens, sight: &Sight) -> f32 {
         h.triangle == sight.triangle || (h.distance - distance).abs() < 1e-3 * distance
     });
     if visible {
-        sight.weight * cosine.sqrt()
+        let side = if cosine > 0.0 { 1.0 } else { BEHIND };
+        sight.weight * side * cosine.abs().sqrt()
     } else {
         0.0
     }

@@ -54,7 +54,8 @@ impl<'a> LightLookup<'a> {
 /// cells as parts, so that a point is compared with a few of them however many there are.
 struct Parts<'a> {
     mesh: &'a RefinedMesh,
-    sources: &'a [[u32; 3]],
+    /// Weights of the source's second and third corner at the corners of each part.
+    corners: Vec<[Vec2; 3]>,
     grids: Vec<Grid>,
     /// Where the list of each cell starts in `members`, and one past the last.
     cells: Vec<u32>,
@@ -104,7 +105,7 @@ impl<'a> Parts<'a> {
             .collect();
         let mut parts = Self {
             mesh,
-            sources: &object.triangles,
+            corners: corners(object, mesh),
             grids,
             cells: vec![0; cell_count as usize + 1],
             members: Vec::new(),
@@ -132,21 +133,10 @@ impl<'a> Parts<'a> {
 
     fn each_membership(&self, mut visit: impl FnMut(u32, u32)) {
         for (part, &source) in self.mesh.sources.iter().enumerate() {
-            if let Some(corners) = self.corners(part as u32, source) {
-                for cell in self.grids[source as usize].cells(corners) {
-                    visit(cell, part as u32);
-                }
+            for cell in self.grids[source as usize].cells(self.corners[part]) {
+                visit(cell, part as u32);
             }
         }
-    }
-
-    /// Weights of the source's second and third corner at each corner of a part.
-    fn corners(&self, part: u32, source: u32) -> Option<[Vec2; 3]> {
-        let [a, b, c] = self.mesh.triangles[part as usize].map(|v| {
-            let weights = self.mesh.vertices[v as usize].barycentrics_on(source, self.sources)?;
-            Some(Vec2::new(weights.y, weights.z))
-        });
-        Some([a?, b?, c?])
     }
 
     /// The vertices around a point, and their weights.
@@ -157,7 +147,7 @@ impl<'a> Parts<'a> {
         let mut best = ([0; 3], [0.0; 3]);
         let mut deepest = f32::NEG_INFINITY;
         for &part in &self.members[self.cells[cell] as usize..self.cells[cell + 1] as usize] {
-            let Some(weights) = self.corners(part, source).and_then(|c| weights(c, at)) else {
+            let Some(weights) = weights(self.corners[part as usize], at) else {
                 continue;
             };
             let depth = weights[0].min(weights[1]).min(weights[2]);
@@ -171,6 +161,21 @@ impl<'a> Parts<'a> {
         }
         best
     }
+}
+
+/// Weights of the source's second and third corner at the corners of each part.
+fn corners(object: &Object, mesh: &RefinedMesh) -> Vec<[Vec2; 3]> {
+    let parts = mesh.triangles.iter().zip(&mesh.sources);
+    parts
+        .map(|(part, &source)| {
+            part.map(|v| {
+                mesh.vertices[v as usize]
+                    .barycentrics_on(source, &object.triangles)
+                    // A part off its source has no area, and is never found.
+                    .map_or(Vec2::ZERO, |weights| Vec2::new(weights.y, weights.z))
+            })
+        })
+        .collect()
 }
 
 /// Barycentric weights of a point in a plane triangle; `None` if it has no area.

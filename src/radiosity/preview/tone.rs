@@ -37,9 +37,11 @@ pub(super) fn luminance(color: Vec3) -> f32 {
 /// An exposure at which a picture of this reflected light shows well.
 ///
 /// The log-average becomes a mid grey (Reinhard et al. 2002, "Photographic Tone Reproduction for
-/// Digital Images"), but a picture that is mostly shade does not burn out what is lit.
+/// Digital Images"), but a picture that is mostly shade does not burn out what is lit, and an
+/// even one is not all grey.
 pub(super) fn auto_exposure(reflected: &[Vec3]) -> f32 {
     const MID_GREY: f32 = 0.2;
+    const WHITE: f32 = 0.55;
     const BRIGHT: f32 = 1.6;
     let mut lit: Vec<f32> = reflected
         .iter()
@@ -55,7 +57,7 @@ pub(super) fn auto_exposure(reflected: &[Vec3]) -> f32 {
     let floor = 1e-3 * bright;
     let logs: f64 = lit.iter().map(|&l| f64::from(l.max(floor)).ln()).sum();
     let average = (logs / lit.len() as f64).exp() as f32;
-    (MID_GREY / average).min(BRIGHT / bright)
+    (MID_GREY / average).clamp(WHITE / bright, BRIGHT / bright)
 }
 
 /// What is behind a scene without a sky: dark, a little lighter below. `down` is 0 at the top of
