@@ -102,17 +102,17 @@ pub(super) struct SettingsArgs {
     /// balanced 8000, final 16000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4_000_000))]
     elements: Option<u32>,
-    /// Rays from each element to find what it sees, 1 to 4096 [draft 32, balanced 32, final 64]
+    /// Rays from each element to find what it sees, 1 to 4096 [draft 32, balanced 48, final 128]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     element_rays: Option<u32>,
     /// Rays that gather bounced light at each sample, 1 to 4096 [draft 24, balanced 64, final 256]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     gather_rays: Option<u32>,
-    /// Samples of light a vertex, on average, above 0 to 10000 [draft 6, balanced 12, final 24]
+    /// Samples of light a vertex, on average, above 0 to 10000 [draft 6, balanced 10, final 24]
     #[arg(long, value_name = "N", value_parser = samples)]
     samples_per_vertex: Option<f32>,
     /// Shadow rays from a point to all emissive surfaces together, 1 to 4096 [draft 8,
-    /// balanced 32, final 64]
+    /// balanced 24, final 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     emitter_rays: Option<u32>,
     /// Error at which the solver stops, relative to the mean, above 0 [draft 0.01,
