@@ -243,3 +243,76 @@ fn coverage(view: &View, lens: &Lens, free: f32) -> (f32, f32) {
     let all = (GRID * GRID) as f32;
     (filled as f32 / all, blocked as f32 / all)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{PreviewSettings, preview};
+    use crate::radiosity::{BakeSettings, Material, MaterialId, Object, Scene, bake};
+    use glam::Vec3;
+
+    /// A closed box of inward walls, half a metre to each side of (5, 0, 0), all emitting.
+    fn room(double_sided: bool) -> Scene {
+        let corner = |i: u32| {
+            let bit = |k: u32| if i >> k & 1 == 1 { 0.5 } else { -0.5 };
+            Vec3::new(5.0 + bit(0), bit(1), bit(2))
+        };
+        let quads = [
+            [0, 1, 3, 2],
+            [4, 6, 7, 5],
+            [0, 4, 5, 1],
+            [2, 3, 7, 6],
+            [0, 2, 6, 4],
+            [1, 5, 7, 3],
+        ];
+        Scene {
+            objects: vec![Object {
+                positions: (0..8).map(corner).collect(),
+                triangles: (quads.iter())
+                    .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+                    .collect(),
+                material: MaterialId(0),
+                ..Object::default()
+            }],
+            materials: vec![Material {
+                emissive: Vec3::ONE,
+                double_sided,
+                base_color: glam::Vec4::new(0.5, 0.5, 0.5, 1.0),
+                ..Material::default()
+            }],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn closed_rooms_are_seen_from_within_or_through_their_walls() {
+        for double_sided in [false, true] {
+            let scene = room(double_sided).validate().unwrap();
+            let bake = bake(&scene, &BakeSettings::DRAFT, &()).unwrap();
+            let settings = PreviewSettings {
+                width: 40,
+                height: 30,
+                ..PreviewSettings::default()
+            };
+            let picture = preview(&scene, &bake, &settings, &()).unwrap();
+            let lit = picture.pixels.iter().filter(|p| p[0] > 100).count();
+            assert!(lit > 500, "{lit} of 1200 pixels are lit");
+        }
+    }
+
+    #[test]
+    fn closed_rooms_of_double_sided_walls_are_seen_from_within() {
+        let scene = room(true).validate().unwrap();
+        let bake = bake(&scene, &BakeSettings::DRAFT, &()).unwrap();
+        let surfaces = super::super::Surfaces::new(&scene);
+        let view = super::View {
+            scene: &scene,
+            occluders: super::super::Occluders::new(&scene, &surfaces),
+            surfaces: &surfaces,
+            light: super::super::LightLookup::new(&scene, &bake),
+            culled: vec![false; scene.triangles.len()],
+        };
+        let camera = super::find(&view, 4.0 / 3.0);
+        let inside = (camera.position - glam::DVec3::X * 5.0).abs().max_element() < 0.5;
+        assert!(inside, "{camera:?}");
+    }
+}
