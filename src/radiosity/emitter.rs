@@ -76,7 +76,8 @@ impl<'a> Emitters<'a> {
         Self {
             tree,
             light: Light::Reflected(reflected),
-            samples: settings.emitter_rays,
+            // They are a smaller part of the light than lamps are.
+            samples: settings.emitter_rays.div_ceil(2),
             rays: settings.gather_rays,
         }
     }

@@ -273,7 +273,7 @@ pub(crate) enum Choices {
 }
 
 /// Up to so many emitters a table is cheaper than walking.
-const TABLE: usize = 64;
+const TABLE: usize = 128;
 
 impl Choices {
     pub(crate) fn new(tree: &EmitterTree, receiver: &Receiver) -> Self {
