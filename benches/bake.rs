@@ -14,7 +14,7 @@ use bevy_fresco::radiosity::{Bake, BakeSettings, MaterialId, Object, Stage, Vali
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 
-/// The project's Cornell box: 5,264 triangles.
+/// The project's Cornell box: 7,072 triangles.
 fn cornell() -> bevy_fresco::radiosity::Scene {
     load(Path::new(concat!(
         env!("CARGO_MANIFEST_DIR"),
@@ -95,7 +95,7 @@ fn rays(c: &mut Criterion) {
     );
     bench_stage(
         c,
-        "rays, 38k triangles",
+        "rays, 40k triangles",
         &cluttered(),
         &settings,
         Stage::FormFactors,

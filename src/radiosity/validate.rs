@@ -90,7 +90,7 @@ pub enum SceneError {
 /// A [`Scene`] that can be baked: indices in range, numbers finite, something to light and
 /// something that lights it. Made by [`Scene::validate`] alone.
 ///
-/// Inside, positions are centred and scaled by a power of two to ±[`HALF_EXTENT`], so that one epsilon fits
+/// Inside, positions are centred and scaled by a power of two to ±`HALF_EXTENT`, so that one epsilon fits
 /// every scene and scenes far from the origin keep their precision.
 #[derive(Clone, Debug)]
 pub struct ValidScene {
