@@ -273,6 +273,32 @@ mod tests {
     }
 
     #[test]
+    fn help_tells_the_presets() {
+        let mut cli = Cli::command();
+        let help = cli.find_subcommand_mut("bake").unwrap().render_long_help();
+        let help = help.to_string();
+        let of = |value: fn(&BakeSettings) -> f32| {
+            let [d, b, f] = [
+                BakeSettings::DRAFT,
+                BakeSettings::BALANCED,
+                BakeSettings::FINAL,
+            ]
+            .map(|preset| value(&preset));
+            format!("[draft {d}, balanced {b}, final {f}]")
+        };
+        for told in [
+            of(|s| s.elements as f32),
+            of(|s| s.element_rays as f32),
+            of(|s| s.gather_rays as f32),
+            of(|s| s.samples_per_vertex),
+            of(|s| s.emitter_rays as f32),
+            of(|s| s.solver_tolerance),
+        ] {
+            assert!(help.contains(&told), "{told} is not in {help}");
+        }
+    }
+
+    #[test]
     fn values_are_read_strictly() {
         assert_eq!(radiance("3"), Ok(Vec3::splat(3.0)));
         assert_eq!(radiance("1, 2,3"), Ok(Vec3::new(1.0, 2.0, 3.0)));
