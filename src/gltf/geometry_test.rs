@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use serde_json::json;
 
-use super::import::GltfScene;
-use super::test_file::{F32, File, I8, I16, U8, U16, U32, f32_bytes, noted, u16_bytes};
-use crate::radiosity::Object;
+use super::test_file::{
+    F32, File, I8, I16, U8, U16, U32, f32_bytes, face_normal, first, near, noted, u16_bytes,
+};
 
 const SQUARE: [f32; 12] = [0., 0., 0., 1., 0., 0., 0., 1., 0., 1., 1., 0.];
 
@@ -15,20 +15,6 @@ fn square(mode: u32) -> File {
     file.mesh(json!({ "attributes": { "POSITION": positions }, "mode": mode }));
     file.root_node(json!({ "mesh": 0 }));
     file
-}
-
-fn first(scene: &GltfScene) -> &Object {
-    &scene.scene.objects[0]
-}
-
-fn near(a: Vec3, b: Vec3) -> bool {
-    (a - b).length() < 1e-5
-}
-
-/// Length: twice the triangle's area.
-fn face_normal(object: &Object, triangle: usize) -> Vec3 {
-    let [a, b, c] = object.triangles[triangle].map(|i| object.positions[i as usize]);
-    (b - a).cross(c - a)
 }
 
 #[test]

@@ -3,23 +3,7 @@
 use glam::{DVec3, Vec3};
 use serde_json::json;
 
-use super::import::GltfScene;
-use super::test_file::{File, U8, noted};
-use crate::radiosity::Object;
-
-fn first(scene: &GltfScene) -> &Object {
-    &scene.scene.objects[0]
-}
-
-fn near(a: Vec3, b: Vec3) -> bool {
-    (a - b).length() < 1e-5
-}
-
-/// Length: twice the triangle's area.
-fn face_normal(object: &Object, triangle: usize) -> Vec3 {
-    let [a, b, c] = object.triangles[triangle].map(|i| object.positions[i as usize]);
-    (b - a).cross(c - a)
-}
+use super::test_file::{File, U8, face_normal, first, near, noted};
 
 #[test]
 fn transforms_compose() {

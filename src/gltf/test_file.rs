@@ -4,10 +4,12 @@ use std::path::Path;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use glam::Vec3;
 use serde_json::{Value, json};
 
 use super::error::GltfError;
 use super::import::{GltfScene, import};
+use crate::radiosity::Object;
 
 pub(super) const I8: u32 = 5120;
 pub(super) const U8: u32 = 5121;
@@ -204,4 +206,18 @@ pub(super) fn encode(image: &image::DynamicImage) -> Vec<u8> {
 pub(super) fn noted(scene: &GltfScene, words: &[&str]) -> bool {
     let has = |note: &&String| words.iter().all(|word| note.contains(word));
     scene.notes.iter().any(|note| has(&note))
+}
+
+pub(super) fn first(scene: &GltfScene) -> &Object {
+    &scene.scene.objects[0]
+}
+
+pub(super) fn near(a: Vec3, b: Vec3) -> bool {
+    (a - b).length() < 1e-5
+}
+
+/// Length: twice the triangle's area.
+pub(super) fn face_normal(object: &Object, triangle: usize) -> Vec3 {
+    let [a, b, c] = object.triangles[triangle].map(|i| object.positions[i as usize]);
+    (b - a).cross(c - a)
 }

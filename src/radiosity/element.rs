@@ -1,11 +1,10 @@
-use std::collections::{HashMap, VecDeque};
+use glam::{DVec3, Vec3, Vec3A};
 
-use glam::{Vec3, Vec3A};
-
+use super::grouping::{Group, merge};
 use super::occlusion::Hit;
-use super::receiver_mesh::face_normal;
 use super::sampling::{hash, sobol, triangle as triangle_point};
 use super::surface::Surfaces;
+use super::triangle::{area, face_normal};
 use super::validate::ValidScene;
 
 /// Index of a radiosity element.
@@ -33,6 +32,8 @@ pub(crate) struct Elements {
     first_piece: Vec<u32>,
     pieces: Vec<Piece>,
     cells: Vec<Cells>,
+    /// Unit normal of the front of each live triangle.
+    normals: Vec<Vec3>,
 }
 
 /// A live triangle or one cell of it, on one side, as part of an element.
@@ -67,9 +68,6 @@ pub(crate) struct ElementPoint {
 /// Points at which the reflectance of a cell is read.
 const TEXTURE_POINTS: usize = 16;
 
-/// Merged triangles may face this far from the first, as a cosine (about 25°).
-const MERGE_COSINE: f32 = 0.9;
-
 impl Elements {
     /// Cuts and merges the live triangles into about `count` elements.
     pub(crate) fn new(
@@ -85,8 +83,11 @@ impl Elements {
             .collect();
         let total: f64 = areas.iter().map(|&a| f64::from(a)).sum();
         let target = (total / f64::from(count.max(1))) as f32;
-        let mut builder = Builder::new(scene, surfaces, max_reflectance);
-        let groups = merge(scene, &areas, target);
+        let normals: Vec<Vec3> = (scene.triangles.iter())
+            .map(|&t| face_normal(scene.corners(t)))
+            .collect();
+        let groups: Vec<Group> = merge(scene, &areas, &normals, target);
+        let mut builder = Builder::new(scene, surfaces, normals, max_reflectance);
         for group in &groups {
             builder.add(group, &areas, target);
         }
@@ -106,6 +107,7 @@ impl Elements {
             first_piece: vec![0; count + 1],
             pieces: Vec::new(),
             cells: Vec::new(),
+            normals: Vec::new(),
         }
     }
 
@@ -113,15 +115,15 @@ impl Elements {
         self.area.len()
     }
 
-    /// Area-weighted mean of a value, its channels added up.
-    pub(crate) fn mean(&self, values: &[Vec3A]) -> f32 {
+    /// Area-weighted mean of a value.
+    pub(crate) fn mean(&self, values: &[Vec3A]) -> DVec3 {
         let areas = || self.area.iter().map(|&a| f64::from(a));
-        let sum: f64 = values
+        let sum: DVec3 = values
             .iter()
             .zip(areas())
-            .map(|(v, a)| f64::from(v.element_sum()) * a)
+            .map(|(v, a)| v.as_dvec3() * a)
             .sum();
-        (sum / areas().sum::<f64>().max(f64::MIN_POSITIVE)) as f32
+        sum / areas().sum::<f64>().max(f64::MIN_POSITIVE)
     }
 
     /// The element that a ray hit; `None` for the black back of a one-sided surface.
@@ -129,6 +131,11 @@ impl Elements {
         let cells = self.cells[hit.triangle as usize];
         let base = if hit.back { cells.back? } else { cells.front };
         Some(ElementId(base + cell_of(hit.uv, cells.n)))
+    }
+
+    fn pieces_of(&self, element: ElementId) -> &[Piece] {
+        let e = element.0 as usize;
+        &self.pieces[self.first_piece[e] as usize..self.first_piece[e + 1] as usize]
     }
 
     /// Point `u`, `v` (each 0..1) of an element, area-uniform.
@@ -139,8 +146,7 @@ impl Elements {
         u: f32,
         v: f32,
     ) -> ElementPoint {
-        let e = element.0 as usize;
-        let pieces = &self.pieces[self.first_piece[e] as usize..self.first_piece[e + 1] as usize];
+        let pieces = self.pieces_of(element);
         let i = pieces
             .partition_point(|p| p.cumulative <= u)
             .min(pieces.len() - 1);
@@ -156,11 +162,7 @@ impl Elements {
         let n = self.cells[piece.triangle as usize].n;
         let barycentrics = in_cell(triangle_point(u, v), piece.cell, n);
         let [a, b, c] = scene.corners(scene.triangles[piece.triangle as usize]);
-        let normal = (b - a)
-            .as_dvec3()
-            .cross((c - a).as_dvec3())
-            .normalize()
-            .as_vec3();
+        let normal = self.normals[piece.triangle as usize];
         ElementPoint {
             triangle: piece.triangle,
             position: a * barycentrics.x + b * barycentrics.y + c * barycentrics.z,
@@ -208,8 +210,7 @@ impl Elements {
         scene: &'a ValidScene,
         element: ElementId,
     ) -> impl Iterator<Item = (u32, [Vec3; 3], Vec3)> + 'a {
-        let e = element.0 as usize;
-        let pieces = &self.pieces[self.first_piece[e] as usize..self.first_piece[e + 1] as usize];
+        let pieces = self.pieces_of(element);
         pieces.iter().map(|piece| {
             let n = self.cells[piece.triangle as usize].n;
             let whole = scene.corners(scene.triangles[piece.triangle as usize]);
@@ -218,7 +219,11 @@ impl Elements {
                 whole[0] * b.x + whole[1] * b.y + whole[2] * b.z
             });
             let side = if piece.back { -1.0 } else { 1.0 };
-            (piece.triangle, corners, face_normal(whole) * side)
+            (
+                piece.triangle,
+                corners,
+                self.normals[piece.triangle as usize] * side,
+            )
         })
     }
 
@@ -234,97 +239,9 @@ impl Elements {
     }
 
     pub(crate) fn bytes(&self) -> u64 {
-        (self.len() * (12 + 12 + 4 + 4 + 4) + self.pieces.len() * 16 + self.cells.len() * 16) as u64
+        (self.len() * (12 + 12 + 4 + 4 + 4) + self.pieces.len() * 16 + self.cells.len() * (16 + 12))
+            as u64
     }
-}
-
-/// A connected, smooth set of live triangles that makes one element, or one triangle of any size.
-type Group = Vec<u32>;
-
-/// Joins neighbouring small triangles, breadth first, until the group has an element's area.
-fn merge(scene: &ValidScene, areas: &[f32], target: f32) -> Vec<Group> {
-    let neighbours = Neighbours::new(scene);
-    let normals: Vec<Vec3> = scene
-        .triangles
-        .iter()
-        .map(|&t| {
-            let [a, b, c] = scene.corners(t);
-            (b - a)
-                .as_dvec3()
-                .cross((c - a).as_dvec3())
-                .normalize()
-                .as_vec3()
-        })
-        .collect();
-    let mut taken = vec![false; scene.triangles.len()];
-    let mut groups = Vec::new();
-    for seed in 0..scene.triangles.len() as u32 {
-        if std::mem::replace(&mut taken[seed as usize], true) {
-            continue;
-        }
-        let mut group = vec![seed];
-        let mut filled = areas[seed as usize];
-        let mut queue = VecDeque::from([seed]);
-        while let Some(t) = queue.pop_front().filter(|_| filled < target) {
-            for &other in neighbours.of(t) {
-                let smooth = normals[other as usize].dot(normals[seed as usize]) > MERGE_COSINE;
-                let fits = filled + areas[other as usize] < 1.5 * target;
-                if !taken[other as usize] && smooth && fits {
-                    taken[other as usize] = true;
-                    filled += areas[other as usize];
-                    group.push(other);
-                    queue.push_back(other);
-                }
-            }
-        }
-        groups.push(group);
-    }
-    groups
-}
-
-/// Live triangles of one object across each other's edges, found by position.
-struct Neighbours {
-    list: Vec<[u32; 3]>,
-    count: Vec<u8>,
-}
-
-impl Neighbours {
-    fn new(scene: &ValidScene) -> Self {
-        let mut edges: HashMap<(u32, [u32; 6]), u32> =
-            HashMap::with_capacity(scene.triangles.len() * 2);
-        let mut list = vec![[0; 3]; scene.triangles.len()];
-        let mut count = vec![0_u8; scene.triangles.len()];
-        for (t, &key) in scene.triangles.iter().enumerate() {
-            let corners = scene.corners(key);
-            for k in 0..3 {
-                let edge = (key.object, edge_key(corners[k], corners[(k + 1) % 3]));
-                // A third triangle on an edge takes the place of the pair: no more neighbours.
-                let Some(other) = edges.remove(&edge) else {
-                    edges.insert(edge, t as u32);
-                    continue;
-                };
-                for (a, b) in [(t as u32, other), (other, t as u32)] {
-                    let slot = &mut count[a as usize];
-                    if *slot < 3 {
-                        list[a as usize][usize::from(*slot)] = b;
-                        *slot += 1;
-                    }
-                }
-            }
-        }
-        Self { list, count }
-    }
-
-    fn of(&self, t: u32) -> &[u32] {
-        &self.list[t as usize][..usize::from(self.count[t as usize])]
-    }
-}
-
-fn edge_key(a: Vec3, b: Vec3) -> [u32; 6] {
-    let bits = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
-    let (a, b) = (bits(a), bits(b));
-    let ([x0, y0, z0], [x1, y1, z1]) = if a < b { (a, b) } else { (b, a) };
-    [x0, y0, z0, x1, y1, z1]
 }
 
 struct Builder<'a> {
@@ -335,7 +252,12 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(scene: &'a ValidScene, surfaces: &'a Surfaces<'a>, max_reflectance: f32) -> Self {
+    fn new(
+        scene: &'a ValidScene,
+        surfaces: &'a Surfaces<'a>,
+        normals: Vec<Vec3>,
+        max_reflectance: f32,
+    ) -> Self {
         Self {
             scene,
             surfaces,
@@ -349,6 +271,7 @@ impl<'a> Builder<'a> {
                 first_piece: vec![0],
                 pieces: Vec::new(),
                 cells: vec![Cells::default(); scene.triangles.len()],
+                normals,
             },
         }
     }
@@ -428,10 +351,6 @@ impl<'a> Builder<'a> {
         e.coverage.push((covered / whole) as f32);
         e.first_piece.push(e.pieces.len() as u32);
     }
-}
-
-pub(crate) fn area([a, b, c]: [Vec3; 3]) -> f32 {
-    (0.5 * (b - a).as_dvec3().cross((c - a).as_dvec3()).length()) as f32
 }
 
 /// Which of a triangle's `n²` cells a point lies in.

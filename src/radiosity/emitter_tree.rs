@@ -1,11 +1,12 @@
 use glam::{Vec2, Vec3, Vec3A};
 
-use super::element::{ElementId, Elements, area};
+use super::element::{ElementId, Elements};
 use super::emitter::Receiver;
 use super::observer::{Observer, Stage};
 use super::occlusion::{OFFSET, Occluders};
 use super::parallel::{Cancelled, map_ranges};
 use super::sampling::{cosine_hemisphere, frame, hash, sobol};
+use super::triangle::{area, face_normal};
 use super::validate::ValidScene;
 
 /// The emissive triangles that are worth sampling, in a tree that picks one by what it may send to
@@ -41,7 +42,7 @@ struct Node {
     cone_cosine: f32,
     /// Luminous power, relative.
     power: f32,
-    /// Left child (right child follows `left_count` nodes later) or leaf.
+    /// A leaf, or the two halves.
     content: Content,
     parent: u32,
 }
@@ -95,7 +96,7 @@ impl EmitterTree {
     /// the floor of a dark room, the ceiling above a lamp. Rays that find such an element by chance
     /// would make bright specks.
     pub(crate) fn bright(scene: &ValidScene, elements: &Elements, reflected: &[Vec3A]) -> Self {
-        let mean = elements.mean(reflected);
+        let mean = elements.mean(reflected).element_sum() as f32;
         let mut bright: Vec<u32> = (0..elements.len() as u32)
             .filter(|&e| reflected[e as usize].element_sum() > BRIGHT * mean)
             .collect();
@@ -158,7 +159,7 @@ impl EmitterTree {
         self.leaves.len()
     }
 
-    /// Median split by power-free centroid along the longest axis; returns the node's index.
+    /// Splits at the median centroid along the longest axis; returns the node's index.
     fn build(&mut self, order: &mut [u32], powers: &[f32], parent: u32) -> u32 {
         let index = self.nodes.len() as u32;
         let mut node = self.bound(order, powers);
@@ -382,15 +383,10 @@ fn cosine_minus(cosine: f32, angle: Vec2) -> f32 {
 impl Leaf {
     fn new(scene: &ValidScene, triangle: u32, two_sided: bool) -> Self {
         let corners = scene.corners(scene.triangles[triangle as usize]);
-        let [a, b, c] = corners;
         Self {
             triangle,
             corners,
-            normal: (b - a)
-                .as_dvec3()
-                .cross((c - a).as_dvec3())
-                .normalize()
-                .as_vec3(),
+            normal: face_normal(corners),
             area: area(corners),
             two_sided,
             source: triangle,
@@ -422,7 +418,7 @@ fn survey(
 ) -> Result<Vec<f32>, Cancelled> {
     // Elements chosen evenly, each ray counted by the area it stands for.
     let rays = SURVEY_RAYS.min(16 * elements.len());
-    let chunks = map_ranges(rays, 256, Stage::Direct, observer, |range| {
+    let chunks = map_ranges(rays, 256, Stage::Occlusion, observer, |range| {
         let mut seen = vec![0.0_f32; scene.materials.len()];
         let mut total = 0.0;
         for i in range {

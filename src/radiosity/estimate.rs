@@ -1,7 +1,7 @@
 use std::time::Instant;
 
 use super::bake::BakeError;
-use super::element::{ElementId, Elements, area, element_seed};
+use super::element::{ElementId, Elements, element_seed};
 use super::observer::{Observer, Stage};
 use super::occlusion::{OFFSET, Occluders};
 use super::parallel::map_ranges;
@@ -9,6 +9,7 @@ use super::receiver_mesh::ReceiverMeshes;
 use super::sampling::{cosine_hemisphere, frame, sobol};
 use super::settings::BakeSettings;
 use super::surface::Surfaces;
+use super::triangle::area;
 use super::validate::ValidScene;
 
 /// What a bake would take.

@@ -1,5 +1,6 @@
 use glam::Vec3;
 
+use super::color::{divide, luminance};
 use super::gather::TriangleSamples;
 
 /// Vertex light fitted to the samples.
@@ -84,8 +85,8 @@ pub(crate) fn fit(triangles: &[TriangleSamples], unknowns: usize, seams: &[Vec<u
             .sum::<f64>()
             / total
     };
-    let level = mean(&|i| luminance(whole[i]));
-    let variance = mean(&|i| (0.5 * luminance(difference[i])).powi(2));
+    let level = mean(&|i| f64::from(luminance(whole[i])));
+    let variance = mean(&|i| (0.5 * f64::from(luminance(difference[i]))).powi(2));
     let dark = unreached(triangles, &sampled);
     Fit {
         sampling_error: if level > 0.0 {
@@ -110,7 +111,7 @@ fn close_seams(light: &mut [Vec3], area: &[f32], seams: &[Vec<u32>]) {
                 .then(a.cmp(&b))
         });
         let agree = |&a: &u32, &b: &u32| {
-            luminance(light[a as usize]) >= f64::from(SEAM) * luminance(light[b as usize])
+            luminance(light[a as usize]) >= SEAM * luminance(light[b as usize])
         };
         let groups: Vec<Vec<u32>> = members.chunk_by(agree).map(<[u32]>::to_vec).collect();
         for group in groups {
@@ -126,10 +127,6 @@ fn close_seams(light: &mut [Vec3], area: &[f32], seams: &[Vec<u32>]) {
             }
         }
     }
-}
-
-fn luminance(c: Vec3) -> f64 {
-    f64::from(c.dot(Vec3::new(0.2126, 0.7152, 0.0722)))
 }
 
 /// Fits to each half-set and the smoothing they were made with.
@@ -176,7 +173,7 @@ fn squared_error(triangles: &[TriangleSamples], light: &[Vec3], half: usize, kin
             t.halves[h]
                 .light(kind)
                 .iter()
-                .map(|&l| luminance(l))
+                .map(|&l| f64::from(luminance(l)))
                 .sum::<f64>()
         };
         let weight = |h: usize| f64::from(t.halves[h].weight());
@@ -365,12 +362,6 @@ impl System {
 
 fn dot(a: &[Vec3], b: &[Vec3]) -> glam::DVec3 {
     a.iter().zip(b).map(|(a, b)| (*a * *b).as_dvec3()).sum()
-}
-
-/// Channel by channel; 0 where a channel has nothing left to do.
-fn divide(a: glam::DVec3, b: glam::DVec3) -> Vec3 {
-    let one = |a: f64, b: f64| if b > 0.0 { (a / b) as f32 } else { 0.0 };
-    Vec3::new(one(a.x, b.x), one(a.y, b.y), one(a.z, b.z))
 }
 
 /// The mean of the samples around each unknown; unknowns without any take it from neighbours,

@@ -6,9 +6,10 @@ use super::emitter::{Emitters, Receiver};
 use super::observer::{Observer, Stage};
 use super::occlusion::{NO_TRIANGLE, OFFSET, Occluders};
 use super::parallel::{Cancelled, map_ranges};
-use super::receiver_mesh::{ReceiverMesh, ReceiverMeshes, face_normal};
+use super::receiver_mesh::{ReceiverMesh, ReceiverMeshes};
 use super::sampling::{cosine_hemisphere, frame, hash, sobol, triangle as triangle_point};
 use super::settings::{BakeSettings, DirectLight};
+use super::triangle::{area, face_normal};
 use super::validate::ValidScene;
 
 /// Light measured at samples inside one triangle, summed up as the vertex fit needs it.
@@ -118,9 +119,7 @@ impl Gather<'_> {
         let roots: f64 = receivers
             .meshes
             .iter()
-            .flat_map(|m| {
-                (0..m.triangles.len()).map(|t| f64::from(super::element::area(m.corners(t))).sqrt())
-            })
+            .flat_map(|m| (0..m.triangles.len()).map(|t| f64::from(area(m.corners(t))).sqrt()))
             .sum();
         let samples = f64::from(self.settings.samples_per_vertex) * receivers.vertex_count() as f64;
         (samples / roots.max(f64::MIN_POSITIVE)) as f32
@@ -134,7 +133,7 @@ impl Gather<'_> {
         density: f32,
     ) -> TriangleSamples {
         let corners = mesh.corners(triangle as usize);
-        let area = super::element::area(corners);
+        let area = area(corners);
         let source = mesh
             .refined
             .as_ref()

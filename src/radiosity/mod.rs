@@ -24,7 +24,7 @@
 //! | `scene`, `light`, `validate`, `mend` | what goes in, checked and mended once |
 //! | `surface`, `texture` | reflectance, emission and transparency of any point |
 //! | `receiver_mesh` | the meshes that carry light, split and welded |
-//! | `element` | the pieces of surface the system is solved on |
+//! | `element`, `grouping` | the pieces of surface the system is solved on |
 //! | `occlusion` | rays against the input triangles |
 //! | `emitter`, `emitter_tree`, `direct` | light that arrives without a bounce |
 //! | `form_factor` | rows of `F` as lists of ray hits |
@@ -38,6 +38,7 @@
 mod bake;
 mod baked;
 mod bvh;
+mod color;
 mod direct;
 mod element;
 mod emitter;
@@ -47,6 +48,7 @@ mod findings;
 mod fit;
 mod form_factor;
 mod gather;
+mod grouping;
 mod light;
 mod mend;
 mod observer;
@@ -61,6 +63,7 @@ mod settings;
 mod solve;
 mod surface;
 mod texture;
+mod triangle;
 mod validate;
 
 pub use bake::{BakeError, bake};

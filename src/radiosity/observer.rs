@@ -3,7 +3,8 @@
 pub enum Stage {
     /// Long edges are split; surfaces are cut and merged into elements.
     Mesh,
-    /// The ray-tracing hierarchy over the input triangles is built.
+    /// The ray-tracing hierarchy over the input triangles is built; how much of the view each
+    /// emissive material fills is measured with it.
     Occlusion,
     /// Rays from every element find the rows of the form-factor matrix.
     FormFactors,

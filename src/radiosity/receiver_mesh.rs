@@ -3,6 +3,7 @@ use std::collections::HashMap;
 use glam::Vec3;
 
 use super::occlusion::OFFSET;
+use super::triangle::face_normal;
 use super::validate::ValidScene;
 use crate::mesh::{PositionClasses, RefinedMesh, SplitError, split_flat_corners, split_long_edges};
 
@@ -142,14 +143,6 @@ fn vertex_face_normals(object: &super::scene::Object) -> Vec<Vec3> {
         }
     }
     normals
-}
-
-pub(crate) fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
-    (b - a)
-        .as_dvec3()
-        .cross((c - a).as_dvec3())
-        .normalize_or_zero()
-        .as_vec3()
 }
 
 /// Numbers the unknowns: one for each group of vertices of one place and one normal in an object.

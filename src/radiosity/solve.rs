@@ -2,6 +2,7 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3, Vec3A};
 
+use super::color::divide;
 use super::element::Elements;
 use super::form_factor::HitList;
 use super::parallel::map_chunks;
@@ -54,7 +55,7 @@ pub(crate) fn gauss_seidel(
     loop {
         // The state as it is: what the bound and the correction are made of.
         let state = system.state(&reflected);
-        let goal = f64::from(tolerance) * system.mean(&reflected).max_element();
+        let goal = f64::from(tolerance) * elements.mean(&reflected).max_element();
         report.residual = state.largest_residual;
         report.error_bound = report.residual / (1.0 - contraction);
         report.converged = report.error_bound <= goal;
@@ -65,7 +66,7 @@ pub(crate) fn gauss_seidel(
                 report,
             };
         }
-        let correction = share(state.residual_sum, mean_field);
+        let correction = divide(state.residual_sum, mean_field);
         for (r, rho) in reflected.iter_mut().zip(&elements.reflectance) {
             *r = (*r + Vec3A::from(correction * *rho)).max(Vec3A::ZERO);
         }
@@ -85,12 +86,6 @@ const BETWEEN_QUESTIONS: usize = 4096;
 
 /// Elements a thread takes at a time when the state is looked at.
 const CHUNK: usize = 1024;
-
-/// Channel by channel; 0 where nothing is reflected.
-fn share(a: DVec3, b: DVec3) -> Vec3 {
-    let one = |a: f64, b: f64| if b > 0.0 { (a / b) as f32 } else { 0.0 };
-    Vec3::new(one(a.x, b.x), one(a.y, b.y), one(a.z, b.z))
-}
 
 struct System<'a> {
     elements: &'a Elements,
@@ -170,17 +165,6 @@ impl System<'_> {
         };
         let parts = map_chunks(rho.len(), CHUNK, |range| range.map(gain).sum::<DVec3>());
         parts.into_iter().sum()
-    }
-
-    /// Area-weighted.
-    fn mean(&self, values: &[Vec3A]) -> DVec3 {
-        let areas = || self.elements.area.iter().map(|&a| f64::from(a));
-        let sum: DVec3 = values
-            .iter()
-            .zip(areas())
-            .map(|(v, a)| v.as_dvec3() * a)
-            .sum();
-        sum / areas().sum::<f64>().max(f64::MIN_POSITIVE)
     }
 }
 

@@ -1,10 +1,11 @@
 use glam::{DVec3, Vec3};
 
 use super::camera::{Camera, Lens};
-use super::tone::{brightness, luminance};
+use super::tone::brightness;
 use super::{Seen, View};
-use crate::radiosity::element::area;
+use crate::radiosity::color::luminance;
 use crate::radiosity::sampling::{hash, sobol, triangle as triangle_point, unit_float};
+use crate::radiosity::triangle::area;
 
 /// Points of the scene's surfaces that a view is judged by, half of them spread by area and half
 /// by triangle: a vase has few square metres, and is what people look at.

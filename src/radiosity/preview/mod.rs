@@ -22,12 +22,12 @@ use self::light_lookup::LightLookup;
 use self::tone::{Tone, auto_exposure, encode};
 use super::bake::BakeError;
 use super::baked::Bake;
-use super::element::area;
 use super::observer::{Observer, Stage};
 use super::occlusion::{Hit, Occluders};
 use super::parallel::map_ranges;
 use super::sampling::{hash, sobol, unit_float};
 use super::surface::Surfaces;
+use super::triangle::area;
 use super::validate::ValidScene;
 
 /// An 8-bit sRGB image.

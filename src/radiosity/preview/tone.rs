@@ -1,4 +1,6 @@
-use glam::{DVec3, Vec3};
+use glam::Vec3;
+
+use crate::radiosity::color::luminance;
 
 /// From radiance to the 0..1 of a picture, still linear.
 #[derive(Clone, Copy, Debug)]
@@ -27,11 +29,6 @@ impl Tone {
         let blend = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
         (color * (new_peak / peak)).lerp(Vec3::splat(new_peak), blend)
     }
-}
-
-/// Luminance of linear sRGB (Rec. 709).
-pub(super) fn luminance(color: Vec3) -> f32 {
-    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
 /// An exposure at which a picture of this reflected light shows well.
@@ -92,7 +89,7 @@ fn bayer(x: u32, y: u32) -> f32 {
 
 /// Relative brightness 0..1 of a light value beside the mean of a scene.
 pub(super) fn brightness(light: Vec3, mean: f64) -> f64 {
-    let light = light.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722));
+    let light = f64::from(luminance(light));
     if mean > 0.0 {
         light / (light + 0.2 * mean)
     } else {
