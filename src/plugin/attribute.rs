@@ -1,4 +1,4 @@
-use bevy_mesh::{MeshVertexAttribute, VertexFormat};
+use bevy::mesh::{MeshVertexAttribute, VertexFormat};
 
 /// Baked light of a vertex: irradiance / π, linear RGB in cd/m².
 ///
