@@ -30,6 +30,7 @@
 //!     name: "sun".into(),
 //!     power: Vec3::splat(10_000.0), // lux
 //!     kind: LightKind::Directional { direction: Vec3::NEG_Y },
+//!     ..Light::default()
 //! };
 //! let scene = Scene {
 //!     objects: vec![floor],

@@ -110,6 +110,7 @@ fn numbers_that_are_none() {
         kind: LightKind::Directional {
             direction: Vec3::ZERO,
         },
+        ..Light::default()
     });
     assert!(message(s.validate()).contains("light \"sun\": the direction"));
 }
@@ -290,6 +291,7 @@ fn broken_light() -> impl Strategy<Value = Light> {
                 },
                 _ => LightKind::Directional { direction },
             },
+            ..Light::default()
         },
     )
 }

@@ -16,6 +16,7 @@ fn sun(lux: f32, direction: Vec3) -> Light {
         name: "sun".into(),
         power: Vec3::splat(lux),
         kind: LightKind::Directional { direction },
+        ..Light::default()
     }
 }
 
@@ -59,6 +60,7 @@ fn spot_lights_end_at_their_cone() {
             outer_angle: outer,
             range: f32::INFINITY,
         },
+        ..Light::default()
     });
     let positions = s.objects[0].positions.clone();
     for (p, v) in positions.iter().zip(values(&run(s))) {
@@ -82,6 +84,7 @@ fn a_range_ends_the_light() {
             position: Vec3::Y * 0.5,
             range: 1.0,
         },
+        ..Light::default()
     });
     let positions = s.objects[0].positions.clone();
     for (p, v) in positions.iter().zip(values(&run(s))) {
@@ -279,6 +282,7 @@ fn rooms_inside_out() {
             position: Vec3::splat(0.5),
             range: f32::INFINITY,
         },
+        ..Light::default()
     });
     let bake = run(s);
     assert!(values(&bake).iter().all(|&v| v > 0.1));
@@ -302,13 +306,11 @@ fn realtime_direct_light_is_left_out() {
                 position: Vec3::splat(0.5),
                 range: f32::INFINITY,
             },
+            direct,
+            ..Light::default()
         });
         let shapes = s.objects.clone();
-        let settings = BakeSettings {
-            direct,
-            ..BakeSettings::BALANCED
-        };
-        let bake = bake(&s.validate().unwrap(), &settings, &()).unwrap();
+        let bake = run(s);
         shapes
             .iter()
             .zip(&bake.objects)

@@ -152,6 +152,7 @@ fn point_light_on_a_floor() {
             position: Vec3::new(0.1, 0.7, -0.2),
             range: f32::INFINITY,
         },
+        ..Light::default()
     });
     let bake = bake(&s.validate().unwrap(), &BakeSettings::BALANCED, &()).unwrap();
     for (p, light) in positions.iter().zip(&bake.objects[0].light) {

@@ -135,7 +135,7 @@ pub(super) struct SettingsArgs {
     /// Whether direct light of point, spot and directional lights is baked, or left to the engine
     /// to add in real time
     #[arg(long, value_enum, default_value = "baked", help_heading = "Light")]
-    pub(super) direct: Direct,
+    direct: Direct,
     /// Radiance of the sky in cd/m² (nits), one number or R,G,B; a blue sky has about 4000
     /// [default: no sky]
     #[arg(long, value_name = "NITS", value_parser = radiance, help_heading = "Light")]
@@ -189,10 +189,14 @@ impl SettingsArgs {
             max_sweeps: self.max_sweeps.unwrap_or(preset.max_sweeps),
             max_reflectance: self.max_reflectance.unwrap_or(preset.max_reflectance),
             seed: self.seed.unwrap_or(preset.seed),
-            direct: match self.direct {
-                Direct::Baked => DirectLight::Baked,
-                Direct::Realtime => DirectLight::Realtime,
-            },
+        }
+    }
+
+    /// What becomes of the direct light of all lights.
+    pub(super) fn direct(&self) -> DirectLight {
+        match self.direct {
+            Direct::Baked => DirectLight::Baked,
+            Direct::Realtime => DirectLight::Realtime,
         }
     }
 }

@@ -85,6 +85,9 @@ fn make(
     if let Some(sky) = args.settings.sky {
         file.scene.sky = sky;
     }
+    for light in &mut file.scene.lights {
+        light.direct = args.settings.direct();
+    }
     let origin = file.scene.origin;
     let loaded = Loaded::check(file)?;
     times.push(("validate", loaded.validate));
@@ -99,7 +102,7 @@ fn make(
 
     let mut notes = loaded.notes.clone();
     notes.extend(bake.report.notes.iter().cloned());
-    notes.extend(remarks(&bake, &settings, args, &loaded));
+    notes.extend(remarks(&bake, args, &loaded));
 
     progress.step("export");
     let started = Instant::now();
@@ -108,7 +111,7 @@ fn make(
         encoding: exposure.map_or(LightEncoding::Attribute, |exposure| {
             LightEncoding::VertexColors { exposure }
         }),
-        direct: settings.direct,
+        direct: args.settings.direct(),
     };
     let exported = to_glb(
         &loaded.document,
@@ -155,7 +158,7 @@ fn exposure(args: &BakeArgs, bake: &Bake) -> f32 {
 }
 
 /// What the core cannot know: how the result will look to who asked for it.
-fn remarks(bake: &Bake, settings: &BakeSettings, args: &BakeArgs, loaded: &Loaded) -> Vec<String> {
+fn remarks(bake: &Bake, args: &BakeArgs, loaded: &Loaded) -> Vec<String> {
     let mut notes = Vec::new();
     let mean = bake.report.mean_light;
     if mean > 0.0 && mean < NEAR_BLACK {
@@ -164,7 +167,7 @@ fn remarks(bake: &Bake, settings: &BakeSettings, args: &BakeArgs, loaded: &Loade
              lights (candela, lux, nits) and the scale of the scene (metres)"
         ));
     }
-    if settings.direct == DirectLight::Realtime
+    if args.settings.direct() == DirectLight::Realtime
         && args.results.preview.is_some()
         && !loaded.light_nodes.is_empty()
     {

@@ -126,6 +126,9 @@ fn light(light: &Light) -> String {
             "spot of {:.0}° across, {power} lm",
             2.0 * outer_angle.to_degrees()
         ),
+        LightKind::Rect { width, height, .. } => {
+            format!("rectangle of {width:.2} by {height:.2} m, {power} lm")
+        }
         LightKind::Directional { .. } => format!("directional, {power} lx"),
     };
     format!("{}: {kind}", light.name)

@@ -54,7 +54,7 @@ fn settings(settings: &BakeSettings, args: &BakeArgs) -> Value {
         "max_sweeps": settings.max_sweeps,
         "max_reflectance": settings.max_reflectance,
         "seed": settings.seed,
-        "direct": match settings.direct {
+        "direct": match args.settings.direct() {
             DirectLight::Baked => "baked",
             DirectLight::Realtime => "realtime",
         },

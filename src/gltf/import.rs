@@ -312,5 +312,6 @@ fn finish(placed: Placed, origin: DVec3, notes: &mut Notes) -> Result<Object, St
         colors: geometry.colors,
         triangles: geometry.triangles,
         material,
+        ..Object::default()
     })
 }

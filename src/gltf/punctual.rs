@@ -26,7 +26,12 @@ pub(super) fn light_of(
     let name = name.into_iter().flatten().find(|name| !name.is_empty());
     let name = name.map_or_else(|| format!("light {index}"), Clone::clone);
     match convert(file, &name, world, origin, notes) {
-        Ok((power, kind)) => Some(Light { name, power, kind }),
+        Ok((power, kind)) => Some(Light {
+            name,
+            power,
+            kind,
+            ..Light::default()
+        }),
         Err(reason) => {
             notes.add(format!("Light {name} {reason}: left out."));
             None

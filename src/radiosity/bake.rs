@@ -1,6 +1,7 @@
 use std::time::Instant;
 
 use super::baked::{Bake, ObjectLight};
+use super::bvh::BvhQuality;
 use super::direct::direct;
 use super::element::Elements;
 use super::emitter::Emitters;
@@ -10,13 +11,13 @@ use super::fit::{Fit, fit};
 use super::form_factor::trace;
 use super::gather::Gather;
 use super::observer::{Observer, Stage};
-use super::occlusion::{NO_TRIANGLE, Occluders};
+use super::occlusion::{Hierarchy, Holds, NO_TRIANGLE, Occluders};
 use super::parallel::Cancelled;
 use super::receiver_mesh::ReceiverMeshes;
 use super::settings::{BakeSettings, InvalidSetting};
 use super::solve::{Solution, gauss_seidel};
 use super::surface::Surfaces;
-use super::validate::ValidScene;
+use super::validate::{SceneError, ValidScene};
 use crate::mesh::SplitError;
 
 /// Why a bake ended without a result.
@@ -29,6 +30,9 @@ pub enum BakeError {
     /// A setting lies outside its limits.
     #[error(transparent)]
     Setting(#[from] InvalidSetting),
+    /// The scene cannot be baked.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
     /// Edges cannot be split as asked.
     #[error(transparent)]
     Split(#[from] SplitError),
@@ -71,7 +75,8 @@ pub fn bake(
         settings.max_reflectance,
     );
     clock.next(Stage::Occlusion, observer)?;
-    let occluders = Occluders::new(scene, &surfaces);
+    let hierarchy = Hierarchy::new(scene, &surfaces, Holds::Casting, BvhQuality::Best);
+    let occluders = Occluders::new(&hierarchy, &surfaces);
     let tree = EmitterTree::new(scene, &elements, &occluders, settings.seed, observer)?;
     clock.next(Stage::FormFactors, observer)?;
     let emitters = Emitters::at_elements(&tree, settings);
@@ -133,8 +138,9 @@ pub fn bake(
         lit_from_behind: &lit_from_behind,
         samples: &samples,
         fitted: &fitted,
+        work: super::report::Work::default(),
     };
-    let report = findings.report(stages, occluders.bytes());
+    let report = findings.report(stages, hierarchy.bytes());
     Ok(Bake {
         objects: object_light(receivers, &fitted),
         report,

@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use super::report::Report;
@@ -15,9 +17,10 @@ pub struct Bake {
 /// Baked light of one object.
 #[derive(Clone, Debug, Default)]
 pub struct ObjectLight {
-    /// The mesh that carries the light; `None` if it is the object's own.
-    pub mesh: Option<RefinedMesh>,
+    /// The mesh that carries the light; `None` if it is the object's own. From one bake of a
+    /// [`Baker`](super::Baker) to the next it is the same `Arc` as long as it is the same mesh.
+    pub mesh: Option<Arc<RefinedMesh>>,
     /// Irradiance / π at each vertex of that mesh, linear RGB in cd/m²: multiplied by the
-    /// reflectance it is the radiance the eye sees.
+    /// reflectance it is the radiance the eye sees. Empty if the object does not receive light.
     pub light: Vec<Vec3>,
 }

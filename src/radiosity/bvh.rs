@@ -37,6 +37,13 @@ struct Child(u32);
 const LEAF: u32 = 1 << 31;
 const EMPTY: Child = Child(u32::MAX);
 
+/// How much time to spend on building: rays find the same either way, sooner with the best.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BvhQuality {
+    Best,
+    Quick,
+}
+
 /// A triangle that a ray meets.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
@@ -56,7 +63,8 @@ const STACK: usize = 64;
 const ROBUST: f32 = 1.0 + 2.0 * 3.0 * f32::EPSILON;
 
 impl Bvh {
-    pub(crate) fn new(corners: &[[Vec3; 3]]) -> Self {
+    /// A hierarchy over triangles, which crossings name by `ids`.
+    pub(crate) fn new(corners: &[[Vec3; 3]], ids: &[u32], quality: BvhQuality) -> Self {
         let triangles: Vec<Triangle> = corners
             .iter()
             .map(|&[a, b, c]| Triangle {
@@ -68,7 +76,10 @@ impl Bvh {
         let params = BvhBuildParams {
             max_prims_per_leaf: 4,
             collapse_traversal_cost: 1.0,
-            ..BvhBuildParams::very_slow_build()
+            ..match quality {
+                BvhQuality::Best => BvhBuildParams::very_slow_build(),
+                BvhQuality::Quick => BvhBuildParams::medium_build(),
+            }
         };
         let binary = build_bvh2(&triangles, params, &mut Duration::default());
         let mut bvh = Self {
@@ -76,7 +87,7 @@ impl Bvh {
             leaves: Vec::new(),
         };
         if !binary.nodes.is_empty() {
-            bvh.collapse(&binary, corners, 0);
+            bvh.collapse(&binary, corners, ids, 0);
         }
         bvh
     }
@@ -86,7 +97,7 @@ impl Bvh {
     }
 
     /// Makes a node of up to four descendants of a binary node, opening the largest first.
-    fn collapse(&mut self, binary: &Bvh2, corners: &[[Vec3; 3]], root: u32) -> u32 {
+    fn collapse(&mut self, binary: &Bvh2, corners: &[[Vec3; 3]], ids: &[u32], root: u32) -> u32 {
         let mut members = vec![root];
         while members.len() < 4 {
             let area = |&i: &u32| binary.nodes[i as usize].aabb().half_area();
@@ -106,10 +117,10 @@ impl Bvh {
                 let range =
                     node.first_index as usize..(node.first_index + node.prim_count) as usize;
                 self.leaves
-                    .push(Leaf::new(&binary.primitive_indices[range], corners));
+                    .push(Leaf::new(&binary.primitive_indices[range], corners, ids));
                 Child((self.leaves.len() - 1) as u32 | LEAF)
             } else {
-                Child(self.collapse(binary, corners, member))
+                Child(self.collapse(binary, corners, ids, member))
             };
             self.nodes[index].set(lane, node.aabb(), child);
         }
@@ -203,7 +214,7 @@ impl Node {
 }
 
 impl Leaf {
-    fn new(triangles: &[u32], corners: &[[Vec3; 3]]) -> Self {
+    fn new(triangles: &[u32], corners: &[[Vec3; 3]], ids: &[u32]) -> Self {
         let corner_of = |lane: usize, corner: usize, axis: usize| {
             let triangle = triangles.get(lane);
             triangle.map_or(f32::NAN, |&t| corners[t as usize][corner][axis])
@@ -214,7 +225,9 @@ impl Leaf {
                     Vec4::from_array(std::array::from_fn(|lane| corner_of(lane, corner, axis)))
                 })
             }),
-            triangles: std::array::from_fn(|lane| triangles.get(lane).copied().unwrap_or(u32::MAX)),
+            triangles: std::array::from_fn(|lane| {
+                triangles.get(lane).map_or(u32::MAX, |&t| ids[t as usize])
+            }),
         }
     }
 
@@ -238,9 +251,11 @@ impl Leaf {
         let on_edge = u.cmpeq(Vec4::ZERO) | v.cmpeq(Vec4::ZERO) | w.cmpeq(Vec4::ZERO);
         if on_edge.any() {
             // On an edge the products must be exact to agree in sign from both sides.
-            u = exact_cross(x[2], y[1], y[2], x[1]);
-            v = exact_cross(x[0], y[2], y[0], x[2]);
-            w = exact_cross(x[1], y[0], y[1], x[0]);
+            // Only in the lanes that need it: a triangle's answer must not depend on who shares
+            // its leaf.
+            u = Vec4::select(on_edge, exact_cross(x[2], y[1], y[2], x[1]), u);
+            v = Vec4::select(on_edge, exact_cross(x[0], y[2], y[0], x[2]), v);
+            w = Vec4::select(on_edge, exact_cross(x[1], y[0], y[1], x[0]), w);
         }
         let lowest = u.min(v).min(w);
         let highest = u.max(v).max(w);
@@ -324,6 +339,11 @@ mod tests {
     use super::*;
     use crate::radiosity::sampling::{cosine_hemisphere, frame, sobol};
 
+    fn bvh_of(corners: &[[Vec3; 3]]) -> Bvh {
+        let ids: Vec<u32> = (0..corners.len() as u32).collect();
+        Bvh::new(corners, &ids, BvhQuality::Best)
+    }
+
     fn nearest(bvh: &Bvh, origin: Vec3, direction: Vec3) -> Option<Crossing> {
         let mut best: Option<Crossing> = None;
         bvh.traverse(&Ray::new(origin, direction), f32::INFINITY, |c| {
@@ -372,7 +392,7 @@ mod tests {
 
     #[test]
     fn front_and_back_follow_the_winding() {
-        let bvh = Bvh::new(&[[Vec3::ZERO, Vec3::X, Vec3::Y]]);
+        let bvh = bvh_of(&[[Vec3::ZERO, Vec3::X, Vec3::Y]]);
         for (from, way, back) in [(1.0, -1.0, false), (-1.0, 1.0, true)] {
             let hit = nearest(&bvh, Vec3::new(0.2, 0.3, from), Vec3::Z * way).unwrap();
             assert_eq!(hit.back, back);
@@ -391,8 +411,8 @@ mod tests {
                 .into_iter()
                 .map(|t| t.map(|p| p + Vec3::new(100.0, 50.0, -80.0))),
         );
-        let bvh = Bvh::new(&corners);
-        let singles: Vec<Bvh> = corners.iter().map(|t| Bvh::new(&[*t])).collect();
+        let bvh = bvh_of(&corners);
+        let singles: Vec<Bvh> = corners.iter().map(|t| bvh_of(&[*t])).collect();
         for i in 0..2_000 {
             let [u, v, s, t] = sobol(i, 0, 1);
             let origin = Vec3::new(u - 0.5, v - 0.5, s - 0.5) * 1200.0;
@@ -409,7 +429,7 @@ mod tests {
 
     #[test]
     fn closed_surfaces_are_watertight() {
-        let bvh = Bvh::new(&sphere(24, 1000.0));
+        let bvh = bvh_of(&sphere(24, 1000.0));
         let corners = sphere(24, 1000.0);
         for i in 0..300_000 {
             let [u, v, s, t] = sobol(i % 65_536, i / 65_536, 5);
@@ -438,7 +458,7 @@ mod tests {
             ]; 1]
         };
         let corners: Vec<[Vec3; 3]> = (0..40).flat_map(|i| wall(i as f32)).collect();
-        let bvh = Bvh::new(&corners);
+        let bvh = bvh_of(&corners);
         for i in 0..39 {
             let hit = nearest(&bvh, Vec3::new(0.0, 0.0, i as f32 + 0.5), Vec3::Z).unwrap();
             assert_eq!(hit.triangle, i + 1);
@@ -450,7 +470,7 @@ mod tests {
     #[test]
     fn thousands_of_triangles_at_one_place_do_not_exhaust_the_stack() {
         let corners = vec![[Vec3::ZERO, Vec3::X, Vec3::Y]; 5000];
-        let hit = nearest(&Bvh::new(&corners), Vec3::new(0.2, 0.2, 1.0), -Vec3::Z);
+        let hit = nearest(&bvh_of(&corners), Vec3::new(0.2, 0.2, 1.0), -Vec3::Z);
         assert!(hit.is_some());
     }
 }

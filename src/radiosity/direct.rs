@@ -1,15 +1,13 @@
-use std::f32::consts::{FRAC_1_PI, PI};
-
 use glam::Vec3;
 
 use super::element::{ElementId, Elements, element_seed};
 use super::emitter::{Emitters, Receiver};
-use super::light::{Light, LightKind};
+use super::illumination::illumination;
 use super::observer::{Observer, Stage};
-use super::occlusion::{NO_TRIANGLE, OFFSET, Occluders};
+use super::occlusion::{OFFSET, Occluders};
 use super::parallel::{Cancelled, map_ranges};
 use super::sampling::{hash, sobol};
-use super::validate::{HALF_EXTENT, ValidScene};
+use super::validate::ValidScene;
 
 /// Elements a thread takes at a time.
 const CHUNK: usize = 64;
@@ -66,7 +64,10 @@ fn at_element(
             normal: point.normal,
             triangle: point.triangle,
         };
-        sum += lights(&scene.lights, occluders, &receiver);
+        for (l, light) in scene.lights.iter().enumerate() {
+            let at = (hash(seed, l as u32), i);
+            sum += light.power * illumination(light, occluders, &receiver, at, &mut 0);
+        }
         sum += emitters.sample(
             elements,
             occluders,
@@ -76,80 +77,4 @@ fn at_element(
         );
     }
     sum / POINTS as f32
-}
-
-/// Direct light (irradiance / π) of all lights without a surface, one shadow ray each.
-pub(crate) fn lights(lights: &[Light], occluders: &Occluders, receiver: &Receiver) -> Vec3 {
-    lights
-        .iter()
-        .map(|light| {
-            let Some(arrival) = arrival(light, receiver.position) else {
-                return Vec3::ZERO;
-            };
-            let cosine = receiver.normal.dot(arrival.direction);
-            if cosine <= 0.0 || arrival.normal_irradiance == Vec3::ZERO {
-                return Vec3::ZERO;
-            }
-            let passing = occluders.transmittance(
-                receiver.position,
-                arrival.direction,
-                arrival.distance,
-                [receiver.triangle, NO_TRIANGLE],
-            );
-            arrival.normal_irradiance * (passing * cosine * FRAC_1_PI)
-        })
-        .sum()
-}
-
-/// How a light reaches a point.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Arrival {
-    /// Unit vector towards the light.
-    pub(crate) direction: Vec3,
-    pub(crate) distance: f32,
-    /// Irradiance of a surface that faces the light.
-    pub(crate) normal_irradiance: Vec3,
-}
-
-/// A light's unshadowed effect at a point; `None` where it does not reach.
-///
-/// Distance and cone falloff as Bevy renders them: `saturate(1 − (d/range)⁴)² / d²` and
-/// `saturate((cos θ − cos outer) / (cos inner − cos outer))²`. (`KHR_lights_punctual` recommends the
-/// same but for the first square, which matters only near the end of a light's range.)
-pub(crate) fn arrival(light: &Light, point: Vec3) -> Option<Arrival> {
-    let at_distance = |position: Vec3, range: f32| {
-        let to = position - point;
-        let distance = to.length();
-        if distance == 0.0 || distance >= range {
-            return None;
-        }
-        let fade = 1.0 - (distance / range).powi(4);
-        Some(Arrival {
-            direction: to / distance,
-            distance,
-            normal_irradiance: light.power * (fade * fade / (4.0 * PI * distance * distance)),
-        })
-    };
-    match light.kind {
-        LightKind::Point { position, range } => at_distance(position, range),
-        LightKind::Spot {
-            position,
-            direction,
-            inner_angle,
-            outer_angle,
-            range,
-        } => {
-            let mut arrival = at_distance(position, range)?;
-            let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
-            let cosine = direction.dot(-arrival.direction);
-            let cone = ((cosine - outer) / (inner - outer).max(1e-3)).clamp(0.0, 1.0);
-            arrival.normal_irradiance *= cone * cone;
-            Some(arrival)
-        }
-        LightKind::Directional { direction } => Some(Arrival {
-            direction: -direction,
-            distance: 8.0 * HALF_EXTENT,
-            normal_irradiance: light.power,
-        }),
-    }
 }

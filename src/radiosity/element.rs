@@ -79,7 +79,7 @@ impl Elements {
         let areas: Vec<f32> = scene
             .triangles
             .iter()
-            .map(|&t| area(scene.corners(t)))
+            .map(|&t| area(scene.corners(t)) * f32::from(u8::from(scene.casts(t))))
             .collect();
         let total: f64 = areas.iter().map(|&a| f64::from(a)).sum();
         let target = (total / f64::from(count.max(1))) as f32;
@@ -88,7 +88,11 @@ impl Elements {
             .collect();
         let groups: Vec<Group> = merge(scene, &areas, &normals, target);
         let mut builder = Builder::new(scene, surfaces, normals, max_reflectance);
-        for group in &groups {
+        // Light passes what does not cast: no ray finds it.
+        for group in groups
+            .iter()
+            .filter(|g| scene.casts(scene.triangles[g[0] as usize]))
+        {
             builder.add(group, &areas, target);
         }
         builder.elements
@@ -342,6 +346,10 @@ impl<'a> Builder<'a> {
         } else {
             0.0
         };
+        let object = self.scene.triangles[group[0] as usize].object as usize;
+        if !self.scene.objects[object].reflects {
+            reflectance = Vec3::ZERO;
+        }
         let clamped = (reflectance * inverse).min(Vec3::splat(self.max_reflectance));
         let e = &mut self.elements;
         e.clamped += u32::from(clamped != reflectance * inverse);

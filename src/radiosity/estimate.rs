@@ -1,9 +1,10 @@
 use std::time::Instant;
 
 use super::bake::BakeError;
+use super::bvh::BvhQuality;
 use super::element::{ElementId, Elements, element_seed};
 use super::observer::{Observer, Stage};
-use super::occlusion::{OFFSET, Occluders};
+use super::occlusion::{Hierarchy, Holds, OFFSET, Occluders};
 use super::parallel::map_ranges;
 use super::receiver_mesh::ReceiverMeshes;
 use super::sampling::{cosine_hemisphere, frame, sobol};
@@ -91,7 +92,8 @@ pub fn estimate(
         settings.elements,
         settings.max_reflectance,
     );
-    let occluders = Occluders::new(scene, &surfaces);
+    let hierarchy = Hierarchy::new(scene, &surfaces, Holds::Casting, BvhQuality::Best);
+    let occluders = Occluders::new(&hierarchy, &surfaces);
     let set_up = started.elapsed().as_secs_f64();
     estimate.elements = elements.len() as u64;
     let per_ray = seconds_per_ray(scene, &elements, &occluders, observer)?;

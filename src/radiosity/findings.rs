@@ -9,7 +9,7 @@ use super::form_factor::HitList;
 use super::gather::TriangleSamples;
 use super::observer::Stage;
 use super::receiver_mesh::ReceiverMeshes;
-use super::report::{Counts, EnergyBalance, Report};
+use super::report::{Counts, EnergyBalance, Report, Work};
 use super::settings::BakeSettings;
 use super::solve::Solution;
 use super::validate::ValidScene;
@@ -28,6 +28,7 @@ pub(crate) struct Findings<'a> {
     pub(crate) lit_from_behind: &'a [bool],
     pub(crate) samples: &'a [TriangleSamples],
     pub(crate) fitted: &'a Fit,
+    pub(crate) work: Work,
 }
 
 impl Findings<'_> {
@@ -45,6 +46,7 @@ impl Findings<'_> {
             solver: self.solution.report,
             sampling_error: self.fitted.sampling_error,
             mean_light: self.fitted.mean,
+            work: self.work,
             notes: self.notes(&energy),
         }
     }
@@ -59,8 +61,8 @@ impl Findings<'_> {
             unknowns.filter(|&&u| flags[u as usize]).count() as u64
         };
         Counts {
-            objects: self.scene.objects.len() as u64,
-            triangles: self.scene.triangles.len() as u64,
+            objects: self.scene.objects.iter().filter(|o| o.receives).count() as u64,
+            triangles: self.scene.triangle_count() as u64,
             vertices: self.receivers.vertex_count() as u64,
             elements,
             emitters: self.elements.emissive_triangles().count() as u64,

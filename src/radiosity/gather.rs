@@ -1,14 +1,15 @@
 use glam::Vec3;
 
-use super::direct::lights;
 use super::element::Elements;
 use super::emitter::{Emitters, Receiver};
+use super::illumination::illumination;
+use super::light::DirectLight;
 use super::observer::{Observer, Stage};
 use super::occlusion::{NO_TRIANGLE, OFFSET, Occluders};
 use super::parallel::{Cancelled, map_ranges};
 use super::receiver_mesh::{ReceiverMesh, ReceiverMeshes};
 use super::sampling::{cosine_hemisphere, frame, hash, sobol, triangle as triangle_point};
-use super::settings::{BakeSettings, DirectLight};
+use super::settings::BakeSettings;
 use super::triangle::{area, face_normal};
 use super::validate::ValidScene;
 
@@ -188,8 +189,11 @@ impl Gather<'_> {
             from.sample(self.elements, self.occluders, &receiver, seed, block)
         };
         let mut sharp = sampled(&self.emitters, seed) + sampled(&self.reflectors, hash(seed, 2));
-        if self.settings.direct == DirectLight::Baked {
-            sharp += lights(&self.scene.lights, self.occluders, &receiver);
+        for (l, light) in self.scene.lights.iter().enumerate() {
+            if light.direct == DirectLight::Baked {
+                let at = (hash(seed, 3 + l as u32), index);
+                sharp += light.power * illumination(light, self.occluders, &receiver, at, &mut 0);
+            }
         }
         Some((sharp, smooth))
     }

@@ -49,6 +49,22 @@ pub(super) fn mend_lights(scene: &mut ValidScene, notes: &mut Vec<String>) {
             LightKind::Spot { direction, .. } | LightKind::Directional { direction } => {
                 *direction = direction.as_dvec3().normalize().as_vec3();
             }
+            LightKind::Rect {
+                direction,
+                right,
+                width,
+                height,
+                ..
+            } => {
+                let forward = direction.as_dvec3().normalize();
+                let across = right.as_dvec3().normalize();
+                let across = (across - forward * across.dot(forward)).try_normalize();
+                *direction = forward.as_vec3();
+                *right = across
+                    .unwrap_or_else(|| forward.any_orthonormal_vector())
+                    .as_vec3();
+                (*width, *height) = (width.abs(), height.abs());
+            }
             LightKind::Point { .. } => {}
         }
     }
@@ -99,7 +115,7 @@ pub(super) fn live_triangles(scene: &ValidScene, notes: &mut Vec<String>) -> Vec
             let p = corners.map(|v| object.positions[v as usize]);
             if !has_area(p) {
                 flat += 1;
-            } else if !seen.insert(position_key(p)) {
+            } else if object.casts && !seen.insert(position_key(p)) {
                 twice += 1;
             } else {
                 live.push(TriangleKey {

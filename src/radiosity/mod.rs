@@ -37,6 +37,7 @@
 
 mod bake;
 mod baked;
+mod baker;
 mod bvh;
 mod color;
 mod direct;
@@ -49,6 +50,8 @@ mod fit;
 mod form_factor;
 mod gather;
 mod grouping;
+mod identity;
+mod illumination;
 mod light;
 mod mend;
 mod observer;
@@ -68,13 +71,14 @@ mod validate;
 
 pub use bake::{BakeError, bake};
 pub use baked::{Bake, ObjectLight};
+pub use baker::Baker;
 pub use estimate::{Estimate, estimate, estimate_counts};
-pub use light::{Light, LightKind};
+pub use light::{DirectLight, Light, LightKind};
 pub use observer::{Observer, Stage};
 pub use preview::{Camera, Picture, PreviewSettings, Projection, preview};
-pub use report::{Counts, EnergyBalance, Report, SolverReport};
+pub use report::{Counts, EnergyBalance, Report, SolverReport, Work};
 pub use scene::{
     AlphaMode, Material, MaterialId, Object, ObjectId, Scene, Texture, TextureId, TextureRef, Wrap,
 };
-pub use settings::{BakeSettings, DirectLight, InvalidSetting};
+pub use settings::{BakeSettings, InvalidSetting};
 pub use validate::{SceneError, ValidScene};

@@ -1,9 +1,10 @@
 use glam::Vec3;
 
-use super::bvh::{Bvh, Ray};
+use super::bvh::{Bvh, BvhQuality, Ray};
+use super::identity::object_seeds;
 use super::sampling::{hash, unit_float};
 use super::surface::Surfaces;
-use super::validate::{HALF_EXTENT, ValidScene};
+use super::validate::{HALF_EXTENT, TriangleKey, ValidScene};
 
 /// How far off its surface a ray starts, in internal units: 16 times the spacing of `f32` at the
 /// far end of the scene, the rounding a hit point can carry (Wächter and Binder 2019, "A Fast and
@@ -30,22 +31,65 @@ pub(crate) struct Hit {
     pub(crate) back: bool,
 }
 
-/// The input triangles as what stops light.
-pub(crate) struct Occluders<'a> {
+/// The ray-tracing hierarchy and what it needs to know of its triangles.
+pub(crate) struct Hierarchy {
     bvh: Bvh,
     /// Whether light can pass a live triangle.
     transmits: Vec<bool>,
+    /// A number for each live triangle that stays its own when others come and go: it decides
+    /// what passes it by chance, and which of two triangles at one place is met.
+    names: Vec<u32>,
+}
+
+/// Which live triangles a hierarchy holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Holds {
+    /// Those that stop light.
+    Casting,
+    /// All, as a camera sees them.
+    All,
+}
+
+impl Hierarchy {
+    pub(crate) fn new(
+        scene: &ValidScene,
+        surfaces: &Surfaces,
+        holds: Holds,
+        quality: BvhQuality,
+    ) -> Self {
+        let held = |&t: &u32| holds == Holds::All || scene.casts(scene.triangles[t as usize]);
+        let ids: Vec<u32> = (0..scene.triangles.len() as u32).filter(held).collect();
+        let corner = |&t: &u32| scene.corners(scene.triangles[t as usize]);
+        let corners: Vec<[Vec3; 3]> = ids.iter().map(corner).collect();
+        let seeds = object_seeds(scene);
+        let name = |key: &TriangleKey| hash(key.triangle, seeds[key.object as usize]);
+        Self {
+            bvh: Bvh::new(&corners, &ids, quality),
+            transmits: (0..scene.triangles.len() as u32)
+                .map(|t| surfaces.transmits(t))
+                .collect(),
+            names: scene.triangles.iter().map(name).collect(),
+        }
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.bvh.bytes() + 5 * self.transmits.len() as u64
+    }
+}
+
+/// The input triangles as what stops light.
+///
+/// What a ray meets does not depend on how the hierarchy was built, down to the bit.
+#[derive(Clone, Copy)]
+pub(crate) struct Occluders<'a> {
+    hierarchy: &'a Hierarchy,
     surfaces: &'a Surfaces<'a>,
 }
 
 impl<'a> Occluders<'a> {
-    pub(crate) fn new(scene: &ValidScene, surfaces: &'a Surfaces<'a>) -> Self {
-        let corners: Vec<[Vec3; 3]> = scene.triangles.iter().map(|&t| scene.corners(t)).collect();
+    pub(crate) fn new(hierarchy: &'a Hierarchy, surfaces: &'a Surfaces<'a>) -> Self {
         Self {
-            bvh: Bvh::new(&corners),
-            transmits: (0..corners.len() as u32)
-                .map(|t| surfaces.transmits(t))
-                .collect(),
+            hierarchy,
             surfaces,
         }
     }
@@ -61,36 +105,38 @@ impl<'a> Occluders<'a> {
         skip: u32,
         seed: u32,
     ) -> Option<Hit> {
-        let mut best: Option<Hit> = None;
+        // The nearest on each side: a front face a little behind a back face wins.
+        let mut nearest: [Option<Hit>; 2] = [None; 2];
         let mut limit = f32::INFINITY;
-        self.bvh
+        let hierarchy = self.hierarchy;
+        hierarchy
+            .bvh
             .traverse(&Ray::new(origin, direction), limit, |found| {
+                let best = &mut nearest[usize::from(found.back)];
+                let name = |t: u32| (hierarchy.names[t as usize], t);
                 let loses = best.is_some_and(|b| {
-                    // The search goes on a little behind a back face: there only a front face wins.
-                    let behind = found.distance >= b.distance;
-                    if b.back {
-                        found.back && behind
-                    } else {
-                        behind || (found.back && found.distance > b.distance - TIE)
-                    }
+                    found.distance > b.distance
+                        || (found.distance == b.distance && name(found.triangle) > name(b.triangle))
                 });
                 if loses || found.triangle == skip || self.passes(found.triangle, found.uv, seed) {
                     return limit;
                 }
-                best = Some(Hit {
+                *best = Some(Hit {
                     triangle: found.triangle,
                     distance: found.distance,
                     uv: found.uv,
                     back: found.back,
                 });
-                limit = if found.back {
-                    found.distance + TIE
-                } else {
-                    found.distance
-                };
+                // What is as near must be met too, to choose among equals.
+                let reach = found.distance + if found.back { TIE } else { 0.0 };
+                limit = limit.min(reach.next_up());
                 limit
             });
-        best
+        match nearest {
+            [Some(front), Some(back)] if back.distance + TIE < front.distance => Some(back),
+            [Some(front), _] => Some(front),
+            [None, back] => back,
+        }
     }
 
     /// The share of light that gets from `origin` to the point at `distance` along `direction`:
@@ -105,12 +151,13 @@ impl<'a> Occluders<'a> {
         skip: [u32; 2],
     ) -> f32 {
         let mut passing = 1.0;
-        self.bvh
+        self.hierarchy
+            .bvh
             .traverse(&Ray::new(origin, direction), distance, |found| {
                 if skip.contains(&found.triangle) {
                     return distance;
                 }
-                passing *= if self.transmits[found.triangle as usize] {
+                passing *= if self.hierarchy.transmits[found.triangle as usize] {
                     1.0 - self.surfaces.alpha(found.triangle, found.uv)
                 } else {
                     0.0
@@ -122,7 +169,7 @@ impl<'a> Occluders<'a> {
 
     /// Whether light can pass a live triangle in part.
     pub(crate) fn transmits(&self, triangle: u32) -> bool {
-        self.transmits[triangle as usize]
+        self.hierarchy.transmits[triangle as usize]
     }
 
     /// The nearest surface that a camera shows along a ray: `culled` ones are see-through from
@@ -137,13 +184,16 @@ impl<'a> Occluders<'a> {
     ) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         let mut limit = f32::INFINITY;
-        self.bvh
+        self.hierarchy
+            .bvh
             .traverse(&Ray::new(origin, direction), limit, |found| {
                 let t = found.triangle;
                 let see_through = (found.back && culled[t as usize])
-                    || (self.transmits[t as usize]
+                    || (self.hierarchy.transmits[t as usize]
                         && self.surfaces.alpha(t, found.uv)
-                            <= (threshold + unit_float(hash(0xA1FA, t))).fract());
+                            <= (threshold
+                                + unit_float(hash(0xA1FA, self.hierarchy.names[t as usize])))
+                            .fract());
                 if !see_through {
                     limit = found.distance;
                     best = Some(Hit {
@@ -160,11 +210,8 @@ impl<'a> Occluders<'a> {
 
     /// Whether a ray goes through a surface that is there only in part.
     fn passes(&self, triangle: u32, uv: [f32; 2], seed: u32) -> bool {
-        self.transmits[triangle as usize]
-            && self.surfaces.alpha(triangle, uv) <= unit_float(hash(seed, triangle))
-    }
-
-    pub(crate) fn bytes(&self) -> u64 {
-        self.bvh.bytes() + self.transmits.len() as u64
+        self.hierarchy.transmits[triangle as usize]
+            && self.surfaces.alpha(triangle, uv)
+                <= unit_float(hash(seed, self.hierarchy.names[triangle as usize]))
     }
 }

@@ -1,4 +1,5 @@
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::Vec3;
 
@@ -20,7 +21,8 @@ pub(crate) struct ReceiverMeshes {
     pub(crate) seams: Vec<Vec<u32>>,
 }
 
-/// The mesh of one object, in internal units.
+/// The mesh of one object, in internal units; empty if the object does not receive light.
+#[derive(Clone, Default)]
 pub(crate) struct ReceiverMesh {
     pub(crate) positions: Vec<Vec3>,
     /// Unit normals that the surface is shaded with.
@@ -29,7 +31,7 @@ pub(crate) struct ReceiverMesh {
     /// Which unknown of the fit each vertex takes its light from.
     pub(crate) unknown: Vec<u32>,
     /// The refinement, if the mesh is not the object's own.
-    pub(crate) refined: Option<RefinedMesh>,
+    pub(crate) refined: Option<Arc<RefinedMesh>>,
 }
 
 /// Vertices share an unknown if their normals agree within this cosine (1°).
@@ -69,6 +71,9 @@ impl ReceiverMesh {
         budget: usize,
     ) -> Result<Self, SplitError> {
         let object = &scene.objects[index];
+        if !object.receives {
+            return Ok(Self::default());
+        }
         let flat = object.normals.is_empty();
         let mut refined: Option<RefinedMesh> = None;
         if flat && !object.triangles.is_empty() {
@@ -123,7 +128,7 @@ impl ReceiverMesh {
             normals,
             triangles: refined.triangles.clone(),
             unknown: Vec::new(),
-            refined: Some(refined),
+            refined: Some(Arc::new(refined)),
         }
     }
 

@@ -22,8 +22,32 @@ pub struct Report {
     pub sampling_error: f32,
     /// Area-weighted mean of the stored light (irradiance / π), luminance in cd/m².
     pub mean_light: f32,
+    /// What this bake really did, and did not take from the one before.
+    pub work: Work,
     /// What was mended, skipped or looks wrong, one sentence each, with the name of the thing.
     pub notes: Vec<String>,
+}
+
+/// What a bake really did; all zero if nothing had changed since the last one of its
+/// [`Baker`](super::Baker).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Ray-tracing hierarchies built.
+    pub hierarchy_builds: u64,
+    /// Closest-hit rays traced for form factors.
+    pub element_rays: u64,
+    /// Closest-hit rays traced from samples inside triangles.
+    pub gather_rays: u64,
+    /// Shadow rays to lights without a surface.
+    pub light_rays: u64,
+    /// Shadow rays to emissive surfaces and bright elements.
+    pub emitter_rays: u64,
+    /// Gauss–Seidel sweeps.
+    pub sweeps: u64,
+    /// Fits of all vertices: 1 if vertex light was fitted anew.
+    pub fits: u64,
+    /// Of those, fits that chose their smoothing anew by cross-validation.
+    pub cross_validations: u64,
 }
 
 /// How much of everything a bake had.
@@ -39,7 +63,7 @@ pub struct Counts {
     pub elements: u64,
     /// Emissive triangles.
     pub emitters: u64,
-    /// Point, spot and directional lights.
+    /// Point, spot, rectangular and directional lights.
     pub lights: u64,
     /// Closest-hit rays (form factors and gather).
     pub rays: u64,

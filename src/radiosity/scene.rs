@@ -14,7 +14,7 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Images that materials refer to.
     pub textures: Vec<Texture>,
-    /// Point, spot and directional lights. Emissive materials light the scene by themselves.
+    /// Point, spot, rectangular and directional lights. Emissive materials light the scene by themselves.
     pub lights: Vec<Light>,
     /// Radiance of the sky in cd/m², the same in every direction that no triangle blocks.
     pub sky: Vec3,
@@ -38,7 +38,7 @@ pub struct MaterialId(pub u32);
 pub struct TextureId(pub u32);
 
 /// A triangle mesh in world space with one material.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Object {
     /// Used in errors and reports.
     pub name: String,
@@ -54,6 +54,36 @@ pub struct Object {
     pub triangles: Vec<[u32; 3]>,
     /// The material of all triangles.
     pub material: MaterialId,
+    /// Tells the object from others from one bake to the next (see [`Baker`](super::Baker)).
+    /// Objects with one key are told apart by their order.
+    pub key: u64,
+    /// Stops light. Without it rays pass, so the object reflects and emits nothing either, but may
+    /// receive.
+    pub casts: bool,
+    /// Gets vertex light. Without it the object's [`ObjectLight`](super::ObjectLight) is empty and
+    /// no rays are spent on it.
+    pub receives: bool,
+    /// Reflects light. Without it the object is black to radiosity, but still emits.
+    pub reflects: bool,
+}
+
+impl Default for Object {
+    /// Nothing, which casts, receives and reflects.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            positions: Vec::new(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            triangles: Vec::new(),
+            material: MaterialId::default(),
+            key: 0,
+            casts: true,
+            receives: true,
+            reflects: true,
+        }
+    }
 }
 
 /// How a surface reflects, emits and lets light through.

@@ -3,11 +3,11 @@
 /// Start from a preset and change what you need:
 ///
 /// ```
-/// use bevy_fresco::radiosity::{BakeSettings, DirectLight};
+/// use bevy_fresco::radiosity::BakeSettings;
 ///
 /// let settings = BakeSettings {
 ///     max_edge: Some(0.5),
-///     direct: DirectLight::Realtime,
+///     gather_rays: 512,
 ///     ..BakeSettings::FINAL
 /// };
 /// # assert!(settings.element_rays > BakeSettings::DRAFT.element_rays);
@@ -38,22 +38,8 @@ pub struct BakeSettings {
     pub max_sweeps: u32,
     /// Reflectance is clamped to this, so that light dies out. Limit: 0..1, 1 excluded.
     pub max_reflectance: f32,
-    /// Whether direct light of [`Light`](super::Light)s goes into the result.
-    pub direct: DirectLight,
     /// Another seed, another noise pattern.
     pub seed: u32,
-}
-
-/// Whether the direct light of point, spot and directional lights is part of the baked light.
-///
-/// Light of emissive surfaces and of the sky, and all that bounces, is baked either way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum DirectLight {
-    /// Direct and indirect light are baked; the engine must not light these surfaces again.
-    #[default]
-    Baked,
-    /// Only bounced light is baked; the engine adds direct light and shadows in real time.
-    Realtime,
 }
 
 impl BakeSettings {
@@ -68,7 +54,6 @@ impl BakeSettings {
         solver_tolerance: 1e-2,
         max_sweeps: 100,
         max_reflectance: 0.99,
-        direct: DirectLight::Baked,
         seed: 0,
     };
 

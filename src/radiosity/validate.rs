@@ -103,7 +103,7 @@ pub struct ValidScene {
     pub(crate) scale: f32,
     /// World position of the internal origin, in metres.
     pub(crate) center: DVec3,
-    /// Triangles that block and receive light: not degenerate, no duplicates.
+    /// Triangles that block or receive light: not degenerate, those that block no duplicates.
     pub(crate) triangles: Vec<TriangleKey>,
     pub(crate) notes: Vec<String>,
 }
@@ -132,13 +132,18 @@ impl ValidScene {
 
     /// Number of triangles that block light.
     pub fn triangle_count(&self) -> usize {
-        self.triangles.len()
+        self.triangles.iter().filter(|&&t| self.casts(t)).count()
     }
 
     /// Corners of a live triangle in internal units.
     pub(crate) fn corners(&self, key: TriangleKey) -> [Vec3; 3] {
         let object = &self.objects[key.object as usize];
         object.triangles[key.triangle as usize].map(|v| object.positions[v as usize])
+    }
+
+    /// Whether a live triangle stops light.
+    pub(crate) fn casts(&self, key: TriangleKey) -> bool {
+        self.objects[key.object as usize].casts
     }
 
     pub(crate) fn material(&self, key: TriangleKey) -> &Material {
@@ -157,6 +162,15 @@ impl Scene {
     ///
     /// [`SceneError`] names the object, the triangle and the cause.
     pub fn validate(self) -> Result<ValidScene, SceneError> {
+        let scene = self.validate_dark()?;
+        if !shines(&scene) {
+            return Err(SceneError::NoLight);
+        }
+        Ok(scene)
+    }
+
+    /// The same for a scene in which nothing need shine.
+    pub(crate) fn validate_dark(self) -> Result<ValidScene, SceneError> {
         check_references(&self)?;
         check_numbers(&self)?;
         let mut notes = Vec::new();
@@ -179,9 +193,6 @@ impl Scene {
         scene.triangles = live_triangles(&scene, &mut notes);
         if scene.triangles.is_empty() {
             return Err(SceneError::Empty);
-        }
-        if !shines(&scene) {
-            return Err(SceneError::NoLight);
         }
         scene.notes = notes;
         Ok(scene)
@@ -313,6 +324,20 @@ fn check_numbers(scene: &Scene) -> Result<(), SceneError> {
                 )?;
                 finite(!range.is_nan(), &thing, "the range")?;
             }
+            LightKind::Rect {
+                position,
+                direction,
+                right,
+                width,
+                height,
+                range,
+            } => {
+                finite(position.is_finite(), &thing, "the position")?;
+                finite(usable(direction), &thing, "the direction")?;
+                finite(usable(right), &thing, "the direction of its width")?;
+                finite((width + height).is_finite(), &thing, "the size")?;
+                finite(!range.is_nan(), &thing, "the range")?;
+            }
             LightKind::Directional { direction } => {
                 finite(usable(direction), &thing, "the direction")?;
             }
@@ -378,6 +403,19 @@ fn normalise_frame(scene: &mut ValidScene, center: DVec3) {
                 *range *= inverse as f32;
                 light.power *= inverse_square;
             }
+            LightKind::Rect {
+                position,
+                width,
+                height,
+                range,
+                ..
+            } => {
+                *position = to_internal(*position);
+                *width *= inverse as f32;
+                *height *= inverse as f32;
+                *range *= inverse as f32;
+                light.power *= inverse_square;
+            }
             LightKind::Directional { .. } => {}
         }
     }
@@ -388,6 +426,6 @@ fn shines(scene: &ValidScene) -> bool {
         || scene.lights.iter().any(|l| l.power.max_element() > 0.0)
         || scene.triangles.iter().any(|&t| {
             let m = scene.material(t);
-            m.emissive.max_element() > 0.0 && !m.unlit
+            scene.casts(t) && m.emissive.max_element() > 0.0 && !m.unlit
         })
 }

@@ -143,7 +143,7 @@ pub(crate) fn light(count: usize) -> ObjectLight {
 
 pub(crate) fn refined_light(mesh: RefinedMesh) -> ObjectLight {
     ObjectLight {
-        mesh: Some(mesh.clone()),
+        mesh: Some(mesh.clone().into()),
         ..light(mesh.vertices.len())
     }
 }

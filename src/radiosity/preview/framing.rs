@@ -305,9 +305,15 @@ mod tests {
         let scene = room(true).validate().unwrap();
         let bake = bake(&scene, &BakeSettings::DRAFT, &()).unwrap();
         let surfaces = super::super::Surfaces::new(&scene);
+        let hierarchy = super::super::Hierarchy::new(
+            &scene,
+            &surfaces,
+            super::super::Holds::All,
+            super::super::BvhQuality::Best,
+        );
         let view = super::View {
             scene: &scene,
-            occluders: super::super::Occluders::new(&scene, &surfaces),
+            occluders: super::super::Occluders::new(&hierarchy, &surfaces),
             surfaces: &surfaces,
             light: super::super::LightLookup::new(&scene, &bake),
             culled: vec![false; scene.triangles.len()],

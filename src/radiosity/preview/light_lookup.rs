@@ -38,6 +38,9 @@ impl<'a> LightLookup<'a> {
             baked,
             parts,
         } = &self.objects[key.object as usize];
+        if baked.light.is_empty() {
+            return Vec3::ZERO;
+        }
         let (corners, weights) = match parts {
             None => {
                 let corners = object.triangles[key.triangle as usize];
@@ -216,6 +219,7 @@ mod tests {
                 kind: LightKind::Directional {
                     direction: Vec3::NEG_Z,
                 },
+                ..Light::default()
             }],
             ..Scene::default()
         };
@@ -225,7 +229,7 @@ mod tests {
             let light = mesh.positions(&positions, &triangles);
             let bake = Bake {
                 objects: vec![ObjectLight {
-                    mesh: Some(mesh),
+                    mesh: Some(mesh.into()),
                     light,
                 }],
                 ..Bake::default()

@@ -22,8 +22,9 @@ use self::light_lookup::LightLookup;
 use self::tone::{Tone, auto_exposure, encode};
 use super::bake::BakeError;
 use super::baked::Bake;
+use super::bvh::BvhQuality;
 use super::observer::{Observer, Stage};
-use super::occlusion::{Hit, Occluders};
+use super::occlusion::{Hierarchy, Hit, Holds, Occluders};
 use super::parallel::map_ranges;
 use super::sampling::{hash, sobol, unit_float};
 use super::surface::Surfaces;
@@ -88,9 +89,10 @@ pub fn preview(
 ) -> Result<Picture, BakeError> {
     assert_eq!(scene.objects.len(), bake.objects.len(), "another scene");
     let surfaces = Surfaces::new(scene);
+    let hierarchy = Hierarchy::new(scene, &surfaces, Holds::All, BvhQuality::Best);
     let view = View {
         scene,
-        occluders: Occluders::new(scene, &surfaces),
+        occluders: Occluders::new(&hierarchy, &surfaces),
         surfaces: &surfaces,
         light: LightLookup::new(scene, bake),
         culled: (scene.triangles.iter())
