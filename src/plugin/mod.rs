@@ -1,5 +1,30 @@
-//! What Bevy needs to know of baked light.
+//! Everything that knows Bevy.
+//!
+//! [`FrescoPlugins`] is all of it; add it after `DefaultPlugins`.
 
 mod attribute;
+mod material;
+pub mod radiosity;
+
+use bevy::app::{PluginGroup, PluginGroupBuilder};
 
 pub use attribute::ATTRIBUTE_BAKED_LIGHT;
+pub use material::{FrescoExtension, FrescoMaterial, FrescoMaterialPlugin};
+pub use radiosity::RadiosityPlugin;
+
+/// All plugins of this crate.
+///
+/// | plugin | what it gives |
+/// |---|---|
+/// | [`FrescoMaterialPlugin`] | the material that shows baked light |
+/// | [`RadiosityPlugin`] | light baked in the running world |
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FrescoPlugins;
+
+impl PluginGroup for FrescoPlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>()
+            .add(FrescoMaterialPlugin)
+            .add(RadiosityPlugin::default())
+    }
+}

@@ -1,0 +1,146 @@
+use std::time::Instant;
+
+use bevy::prelude::*;
+
+use super::assets::mesh_version;
+use super::components::{BakedLighting, InEffect};
+use super::drive::Bakery;
+use super::job::NewLight;
+use super::settings::RadiositySettings;
+use crate::plugin::ATTRIBUTE_BAKED_LIGHT;
+
+type Lit<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static InEffect,
+        &'static mut Mesh3d,
+        Option<&'static mut BakedLighting>,
+    ),
+>;
+
+/// Puts new light into meshes, as many as the frame's budget allows.
+pub(super) fn apply(
+    mut commands: Commands,
+    mut bakery: ResMut<Bakery>,
+    settings: Res<RadiositySettings>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut entities: Lit,
+) {
+    let since = Instant::now();
+    while let Some(light) = bakery.to_apply.pop_front() {
+        put(light, &mut commands, &mut meshes, &mut entities);
+        if since.elapsed() > settings.apply_budget {
+            break;
+        }
+    }
+}
+
+/// Gives one entity its light, if it is still there, static and of the same mesh.
+fn put(light: NewLight, commands: &mut Commands, meshes: &mut Assets<Mesh>, entities: &mut Lit) {
+    let Ok((effect, mut mesh, baked)) = entities.get_mut(light.entity) else {
+        return;
+    };
+    let source = match &baked {
+        Some(baked) if baked.lit == mesh.0 => baked.source.id(),
+        _ => mesh.id(),
+    };
+    let same = source == light.source
+        && meshes
+            .get(source)
+            .is_some_and(|m| mesh_version(m) == light.source_version);
+    if !effect.0.receives || !same {
+        return;
+    }
+    match baked {
+        Some(mut baked) if baked.lit == mesh.0 => {
+            // The entity holds the handle: its place in the assets cannot be gone.
+            if meshes.insert(baked.lit.id(), light.mesh).is_ok() {
+                baked.fingerprint = light.fingerprint;
+                baked.source_version = light.source_version;
+                baked.lit_version = light.lit_version;
+            }
+        }
+        _ => {
+            let lit = meshes.add(light.mesh);
+            let source = std::mem::replace(&mut mesh.0, lit.clone());
+            commands.entity(light.entity).try_insert(BakedLighting {
+                source,
+                lit,
+                fingerprint: light.fingerprint,
+                source_version: light.source_version,
+                lit_version: light.lit_version,
+            });
+        }
+    }
+}
+
+/// Shows edits of meshes at once, before their light is there.
+///
+/// An edited source takes the old light along if it still has as many vertices; otherwise it is shown without
+/// until its own is baked. An edit of the lit copy itself makes that the new source.
+pub(super) fn show_edits(
+    mut changes: MessageReader<AssetEvent<Mesh>>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut entities: Query<(&mut Mesh3d, &mut BakedLighting)>,
+) {
+    let modified: Vec<AssetId<Mesh>> = (changes.read())
+        .filter_map(|event| match event {
+            AssetEvent::Modified { id } => Some(*id),
+            _ => None,
+        })
+        .collect();
+    if modified.is_empty() {
+        return;
+    }
+    for (mut shown, mut baked) in &mut entities {
+        if shown.0 != baked.lit {
+            continue;
+        }
+        if modified.contains(&baked.lit.id()) {
+            adopt(&mut meshes, &mut baked);
+        }
+        if modified.contains(&baked.source.id()) {
+            show_source(&mut meshes, &mut shown, &mut baked);
+        }
+    }
+}
+
+/// Somebody else wrote to the lit copy: what it is now, less the light, is the source.
+fn adopt(meshes: &mut Assets<Mesh>, baked: &mut BakedLighting) {
+    let Some(edited) = meshes.get(&baked.lit) else {
+        return;
+    };
+    let version = mesh_version(edited);
+    if version == baked.lit_version {
+        return;
+    }
+    let mut source = edited.clone();
+    // Fails only if the data is gone, and then there is nothing to take out.
+    let _ = source.try_remove_attribute(ATTRIBUTE_BAKED_LIGHT);
+    baked.source = meshes.add(source);
+    baked.source_version = version;
+    baked.lit_version = version;
+}
+
+fn show_source(meshes: &mut Assets<Mesh>, shown: &mut Mesh3d, baked: &mut BakedLighting) {
+    let (Some(source), Some(lit)) = (meshes.get(&baked.source), meshes.get(&baked.lit)) else {
+        return;
+    };
+    let version = mesh_version(source);
+    if version == baked.source_version {
+        return;
+    }
+    let light = lit.try_attribute(ATTRIBUTE_BAKED_LIGHT).ok().cloned();
+    match light {
+        Some(light) if light.len() == source.count_vertices() => {
+            let mut copy = source.clone();
+            copy.insert_attribute(ATTRIBUTE_BAKED_LIGHT, light);
+            if meshes.insert(baked.lit.id(), copy).is_ok() {
+                baked.lit_version = version;
+                baked.source_version = version;
+            }
+        }
+        _ => shown.0 = baked.source.clone(),
+    }
+}

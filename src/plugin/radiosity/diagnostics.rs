@@ -1,0 +1,66 @@
+use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
+use bevy::prelude::*;
+
+use super::status::BakeFinished;
+use crate::radiosity::Stage;
+
+/// Names of the measurements that the plugin gives to Bevy's
+/// [`DiagnosticsStore`](bevy::diagnostic::DiagnosticsStore) when a bake ends.
+#[derive(Clone, Copy, Debug)]
+pub struct RadiosityDiagnostics;
+
+impl RadiosityDiagnostics {
+    /// Milliseconds of the whole bake.
+    pub const TOTAL: DiagnosticPath = DiagnosticPath::const_new("radiosity/total");
+    /// Vertices that carry light.
+    pub const VERTICES: DiagnosticPath = DiagnosticPath::const_new("radiosity/vertices");
+    /// Rays traced, of all kinds.
+    pub const RAYS: DiagnosticPath = DiagnosticPath::const_new("radiosity/rays");
+
+    /// Milliseconds of a stage; 0 if the bake did not need it.
+    pub const fn stage(stage: Stage) -> DiagnosticPath {
+        DiagnosticPath::const_new(match stage {
+            Stage::Mesh => "radiosity/mesh",
+            Stage::Occlusion => "radiosity/occlusion",
+            Stage::FormFactors => "radiosity/form_factors",
+            Stage::Direct => "radiosity/direct",
+            Stage::Solve => "radiosity/solve",
+            Stage::Gather => "radiosity/gather",
+            Stage::Fit => "radiosity/fit",
+            Stage::Preview => "radiosity/preview",
+        })
+    }
+}
+
+pub(super) fn register(app: &mut App) {
+    for stage in Stage::ALL {
+        let path = RadiosityDiagnostics::stage(stage);
+        app.register_diagnostic(Diagnostic::new(path).with_suffix(" ms"));
+    }
+    app.register_diagnostic(Diagnostic::new(RadiosityDiagnostics::TOTAL).with_suffix(" ms"))
+        .register_diagnostic(Diagnostic::new(RadiosityDiagnostics::VERTICES))
+        .register_diagnostic(Diagnostic::new(RadiosityDiagnostics::RAYS))
+        .add_observer(measure);
+}
+
+fn measure(finished: On<BakeFinished>, mut diagnostics: Diagnostics) {
+    let report = &finished.report;
+    let milliseconds = |stage: Stage| -> f64 {
+        let times = report.stages.iter().filter(|(s, _)| *s == stage);
+        times.map(|(_, t)| t.as_secs_f64() * 1e3).sum()
+    };
+    for stage in Stage::ALL {
+        let path = RadiosityDiagnostics::stage(stage);
+        diagnostics.add_measurement(&path, || milliseconds(stage));
+    }
+    diagnostics.add_measurement(&RadiosityDiagnostics::TOTAL, || {
+        Stage::ALL.map(milliseconds).iter().sum()
+    });
+    diagnostics.add_measurement(&RadiosityDiagnostics::VERTICES, || {
+        report.counts.vertices as f64
+    });
+    let work = &report.work;
+    diagnostics.add_measurement(&RadiosityDiagnostics::RAYS, || {
+        (work.element_rays + work.gather_rays + work.light_rays + work.emitter_rays) as f64
+    });
+}

@@ -1,0 +1,437 @@
+use std::hash::{BuildHasher, Hash, Hasher};
+
+use bevy::ecs::system::SystemParam;
+use bevy::light::RectLight;
+use bevy::mesh::morph::MeshMorphWeights;
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::pbr::Lightmap;
+use bevy::platform::hash::FixedHasher;
+use bevy::prelude::*;
+use glam::Affine3A;
+
+use super::assets::{Budget, Copy, Look, MaterialId, Sources};
+use super::components::{
+    BakedLighting, InEffect, LightBaking, NotBaked, OriginalMaterial, StaticLighting,
+};
+use super::settings::RadiositySettings;
+use crate::plugin::FrescoMaterial;
+use crate::radiosity::{DirectLight, LightKind};
+
+/// All that the bake reads of the world.
+#[derive(SystemParam)]
+pub(super) struct StaticWorld<'w, 's> {
+    objects: Query<'w, 's, ObjectQuery>,
+    points: Query<'w, 's, (&'static PointLight, LightQuery)>,
+    spots: Query<'w, 's, (&'static SpotLight, LightQuery)>,
+    suns: Query<'w, 's, (&'static DirectionalLight, LightQuery)>,
+    rects: Query<'w, 's, (&'static RectLight, LightQuery)>,
+    ambient: Option<Res<'w, GlobalAmbientLight>>,
+    visibility: Res<'w, VisibilityRule>,
+    names: Query<'w, 's, &'static Name>,
+}
+
+type ObjectQuery = (
+    Entity,
+    &'static InEffect,
+    &'static Mesh3d,
+    &'static GlobalTransform,
+    Shown,
+    (
+        Option<&'static OriginalMaterial>,
+        Option<&'static MeshMaterial3d<FrescoMaterial>>,
+        Option<&'static MeshMaterial3d<StandardMaterial>>,
+    ),
+    Option<&'static BakedLighting>,
+    Option<&'static NotBaked>,
+    (Has<SkinnedMesh>, Has<MeshMorphWeights>, Has<Lightmap>),
+);
+
+type LightQuery = (
+    Entity,
+    &'static GlobalTransform,
+    Shown,
+    Option<&'static LightBaking>,
+);
+
+type Shown = (
+    Option<&'static Visibility>,
+    Option<&'static InheritedVisibility>,
+);
+
+/// How to tell whether an entity is shown.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum VisibilityRule {
+    /// Bevy's visibility systems run.
+    Inherited,
+    /// They do not, as in an app without cameras: an entity's own `Visibility` decides.
+    Own,
+}
+
+impl VisibilityRule {
+    fn shown(self, (own, inherited): (Option<&Visibility>, Option<&InheritedVisibility>)) -> bool {
+        match self {
+            Self::Inherited => inherited.is_none_or(|v| v.get()),
+            Self::Own => own.is_none_or(|v| *v != Visibility::Hidden),
+        }
+    }
+}
+
+/// The static part of the world as it is now.
+#[derive(Default)]
+pub(super) struct Survey {
+    pub(super) objects: Vec<FoundObject>,
+    pub(super) lights: Vec<FoundLight>,
+    /// cd/m².
+    pub(super) sky: Vec3,
+    /// Tells this state of the world from others.
+    pub(super) key: u64,
+    /// Something is still being loaded or copied.
+    pub(super) loading: bool,
+    /// What takes no part, and why.
+    pub(super) unfit: Vec<(Entity, String)>,
+}
+
+/// A static mesh.
+pub(super) struct FoundObject {
+    pub(super) entity: Entity,
+    pub(super) transform: Affine3A,
+    pub(super) mesh_id: AssetId<Mesh>,
+    pub(super) mesh: Copy<Mesh>,
+    pub(super) material: Copy<StandardMaterial>,
+    pub(super) images: Images,
+    pub(super) effect: StaticLighting,
+    /// Of the light that it carries.
+    pub(super) fingerprint: Option<u64>,
+}
+
+/// The images of a material that the bake reads.
+#[derive(Clone, Default)]
+pub(super) struct Images {
+    pub(super) base_color: Option<Copy<Image>>,
+    pub(super) emissive: Option<Copy<Image>>,
+    pub(super) metallic: Option<Copy<Image>>,
+}
+
+/// A light of the world in the bake's terms.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FoundLight {
+    pub(super) entity: Entity,
+    pub(super) power: Vec3,
+    pub(super) kind: LightKind,
+    pub(super) direct: DirectLight,
+}
+
+impl StaticWorld<'_, '_> {
+    /// Looks at everything static. Cheap enough for every frame: nothing is copied that is known.
+    pub(super) fn survey(&self, sources: &mut Sources, settings: &RadiositySettings) -> Survey {
+        let mut survey = Survey {
+            lights: self.lights(),
+            sky: self.sky(settings),
+            ..Survey::default()
+        };
+        let mut budget = Budget::new();
+        for object in &self.objects {
+            let entity = object.0;
+            match self.object(object, sources, &mut budget) {
+                Found::Object(found) => survey.objects.push(found),
+                Found::Hidden => {}
+                Found::Soon => survey.loading = true,
+                Found::Unfit(reason) => survey.unfit.push((entity, reason)),
+            }
+        }
+        // The order of a query changes when entities get components.
+        survey.objects.sort_unstable_by_key(|o| o.entity);
+        survey.lights.sort_unstable_by_key(|l| l.entity);
+        survey.key = survey.hash(settings);
+        survey
+    }
+
+    /// An entity's name, or its number.
+    pub(super) fn name(&self, entity: Entity) -> String {
+        self.names
+            .get(entity)
+            .map_or_else(|_| format!("entity {entity}"), |name| name.to_string())
+    }
+
+    /// The reasons that entities carry now.
+    pub(super) fn told(&self) -> impl Iterator<Item = (Entity, &NotBaked)> {
+        self.objects
+            .iter()
+            .filter_map(|(entity, .., told, _)| Some((entity, told?)))
+    }
+
+    fn object(
+        &self,
+        (entity, effect, mesh, transform, shown, material, baked, _, unfit): <ObjectQuery as bevy::ecs::query::QueryData>::Item<'_, '_>,
+        sources: &mut Sources,
+        budget: &mut Budget,
+    ) -> Found {
+        if !self.visibility.shown(shown) {
+            return Found::Hidden;
+        }
+        let (skinned, morphed, lightmapped) = unfit;
+        if skinned || morphed {
+            return Found::Unfit(
+                "it is skinned or morphed: light baked for one pose is wrong for the next; mark it \
+                 `NoStaticLighting`"
+                    .into(),
+            );
+        }
+        let material_id = match material {
+            (Some(original), ..) => MaterialId::Standard(original.0.id()),
+            (_, Some(fresco), _) => MaterialId::Fresco(fresco.id()),
+            (_, _, Some(standard)) => MaterialId::Standard(standard.id()),
+            _ => {
+                return Found::Unfit(
+                    "it has no `MeshMaterial3d` of `StandardMaterial` or `FrescoMaterial`, so how much \
+                     light it reflects is not known: give it one"
+                        .into(),
+                );
+            }
+        };
+        let mesh_id = match baked {
+            Some(baked) if baked.lit == mesh.0 => baked.source.id(),
+            _ => mesh.id(),
+        };
+        let mesh = match sources.mesh(mesh_id, budget) {
+            Look::Here(mesh) => mesh,
+            Look::Soon => return Found::Soon,
+            Look::Missing => return Found::Unfit(missing("mesh")),
+            Look::Unfit(problem) => return Found::Unfit(problem.to_string()),
+        };
+        let material = match sources.material(material_id) {
+            Look::Here(material) => material,
+            Look::Soon => return Found::Soon,
+            Look::Missing | Look::Unfit(_) => return Found::Unfit(missing("material")),
+        };
+        let Some(images) = images(&material.asset, sources, budget) else {
+            return Found::Soon;
+        };
+        // A lightmap of its own is kept: it shows that one, and the bake leaves its light alone.
+        let keeps_lightmap = lightmapped && baked.is_none();
+        Found::Object(FoundObject {
+            entity,
+            transform: transform.affine(),
+            mesh_id,
+            mesh,
+            material,
+            images,
+            effect: StaticLighting {
+                receives: effect.0.receives && !keeps_lightmap,
+                ..effect.0
+            },
+            fingerprint: baked.map(|b| b.fingerprint),
+        })
+    }
+
+    fn lights(&self) -> Vec<FoundLight> {
+        let points = self.points.iter().map(|(light, at)| {
+            let position = at.1.translation();
+            let kind = LightKind::Point {
+                position,
+                range: light.range,
+            };
+            (
+                at,
+                light.color,
+                light.intensity,
+                !light.affects_lightmapped_mesh_diffuse,
+                kind,
+            )
+        });
+        let spots = self.spots.iter().map(|(light, at)| {
+            let kind = LightKind::Spot {
+                position: at.1.translation(),
+                direction: at.1.forward().into(),
+                inner_angle: light.inner_angle,
+                outer_angle: light.outer_angle,
+                range: light.range,
+            };
+            (
+                at,
+                light.color,
+                light.intensity,
+                !light.affects_lightmapped_mesh_diffuse,
+                kind,
+            )
+        });
+        let suns = self.suns.iter().map(|(light, at)| {
+            let direction = at.1.forward().into();
+            let kind = LightKind::Directional { direction };
+            (
+                at,
+                light.color,
+                light.illuminance,
+                !light.affects_lightmapped_mesh_diffuse,
+                kind,
+            )
+        });
+        let rects = self.rects.iter().map(|(light, at)| {
+            let kind = LightKind::Rect {
+                position: at.1.translation(),
+                direction: at.1.forward().into(),
+                right: at.1.right().into(),
+                width: light.width,
+                height: light.height,
+                range: light.range,
+            };
+            (at, light.color, light.intensity, false, kind)
+        });
+        points
+            .chain(spots)
+            .chain(suns)
+            .chain(rects)
+            .filter_map(
+                |((entity, _, shown, baking), color, intensity, full, kind)| {
+                    let by_switch = if full {
+                        LightBaking::Full
+                    } else {
+                        LightBaking::Indirect
+                    };
+                    let direct = match baking.copied().unwrap_or(by_switch) {
+                        LightBaking::Excluded => return None,
+                        LightBaking::Full if !matches!(kind, LightKind::Rect { .. }) => {
+                            DirectLight::Baked
+                        }
+                        _ => DirectLight::Realtime,
+                    };
+                    self.visibility.shown(shown).then(|| FoundLight {
+                        entity,
+                        power: color.to_linear().to_vec3() * intensity,
+                        kind,
+                        direct,
+                    })
+                },
+            )
+            .collect()
+    }
+
+    fn sky(&self, settings: &RadiositySettings) -> Vec3 {
+        let ambient = (self.ambient.as_ref())
+            .filter(|a| !a.affects_lightmapped_meshes)
+            .map_or(Vec3::ZERO, |a| a.color.to_linear().to_vec3() * a.brightness);
+        settings.sky.to_vec3() + ambient
+    }
+}
+
+enum Found {
+    Object(FoundObject),
+    Hidden,
+    Soon,
+    Unfit(String),
+}
+
+fn missing(what: &str) -> String {
+    format!("its {what} is not loaded: check that the asset exists and that its handle is kept")
+}
+
+/// `None` while one is being loaded; a texture that is missing counts as white, as Bevy draws it.
+fn images(
+    material: &StandardMaterial,
+    sources: &mut Sources,
+    budget: &mut Budget,
+) -> Option<Images> {
+    let mut get = |handle: &Option<Handle<Image>>| {
+        let Some(handle) = handle else {
+            return Some(None);
+        };
+        match sources.image(handle.id(), budget) {
+            Look::Here(image) => Some(Some(image)),
+            Look::Soon => None,
+            Look::Missing | Look::Unfit(_) => Some(None),
+        }
+    };
+    Some(Images {
+        base_color: get(&material.base_color_texture)?,
+        emissive: get(&material.emissive_texture)?,
+        metallic: get(&material.metallic_roughness_texture)?,
+    })
+}
+
+impl Survey {
+    fn hash(&self, settings: &RadiositySettings) -> u64 {
+        let mut state = FixedHasher.build_hasher();
+        for o in &self.objects {
+            (o.entity, o.mesh.version, o.material.version, o.effect).hash(&mut state);
+            for image in [&o.images.base_color, &o.images.emissive, &o.images.metallic] {
+                image.as_ref().map(|i| i.version).hash(&mut state);
+            }
+            hash_floats(&mut state, &o.transform.to_cols_array());
+        }
+        for l in &self.lights {
+            (l.entity, l.direct == DirectLight::Baked).hash(&mut state);
+            hash_floats(&mut state, &l.power.to_array());
+            hash_light_kind(&mut state, &l.kind);
+        }
+        hash_floats(&mut state, &self.sky.to_array());
+        hash_floats(&mut state, &[settings.emissive_gain]);
+        hash_settings(&mut state, settings);
+        state.finish()
+    }
+}
+
+fn hash_floats(state: &mut impl Hasher, values: &[f32]) {
+    for value in values {
+        // −0 is 0.
+        state.write_u32((value + 0.0).to_bits());
+    }
+}
+
+fn hash_light_kind(state: &mut impl Hasher, kind: &LightKind) {
+    std::mem::discriminant(kind).hash(state);
+    let mut vector = |v: Vec3| hash_floats(state, &v.to_array());
+    match *kind {
+        LightKind::Point { position, range } => {
+            vector(position);
+            hash_floats(state, &[range]);
+        }
+        LightKind::Spot {
+            position,
+            direction,
+            inner_angle,
+            outer_angle,
+            range,
+        } => {
+            vector(position);
+            vector(direction);
+            hash_floats(state, &[inner_angle, outer_angle, range]);
+        }
+        LightKind::Directional { direction } => vector(direction),
+        LightKind::Rect {
+            position,
+            direction,
+            right,
+            width,
+            height,
+            range,
+        } => {
+            vector(position);
+            vector(direction);
+            vector(right);
+            hash_floats(state, &[width, height, range]);
+        }
+    }
+}
+
+fn hash_settings(state: &mut impl Hasher, settings: &RadiositySettings) {
+    let bake = &settings.bake;
+    let counts = [
+        bake.elements,
+        bake.element_rays,
+        bake.gather_rays,
+        bake.emitter_rays,
+        bake.max_sweeps,
+        bake.seed,
+    ];
+    counts.hash(state);
+    let edge = bake.max_edge.unwrap_or(-1.0);
+    hash_floats(
+        state,
+        &[
+            edge,
+            bake.samples_per_vertex,
+            bake.solver_tolerance,
+            bake.max_reflectance,
+        ],
+    );
+}
