@@ -1,0 +1,105 @@
+//! What the examples share: `--screenshot FILE` draws without a window, waits for the light and saves a
+//! picture.
+
+use std::path::PathBuf;
+
+use bevy::app::PluginGroupBuilder;
+use bevy::camera::RenderTarget;
+use bevy::prelude::*;
+use bevy::render::render_resource::{Extent3d, TextureFormat, TextureUsages};
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
+use bevy::window::ExitCondition;
+use bevy::winit::WinitPlugin;
+use bevy_fresco::plugin::radiosity::RadiosityStatus;
+
+/// Frames between the light being there and the picture: pipelines and shadow maps settle.
+const SETTLE: u32 = 30;
+
+/// `DefaultPlugins`, with a window of that title or, for a screenshot, without one.
+pub(crate) fn default_plugins(title: &str) -> PluginGroupBuilder {
+    let Some(path) = screenshot_path() else {
+        let window = Window {
+            title: title.into(),
+            ..default()
+        };
+        return DefaultPlugins.set(WindowPlugin {
+            primary_window: Some(window),
+            ..default()
+        });
+    };
+    DefaultPlugins
+        .set(WindowPlugin {
+            primary_window: None,
+            exit_condition: ExitCondition::DontExit,
+            ..default()
+        })
+        .disable::<WinitPlugin>()
+        .add(bevy::app::ScheduleRunnerPlugin::default())
+        .add(TakeScreenshot { path })
+}
+
+fn screenshot_path() -> Option<PathBuf> {
+    let mut arguments = std::env::args().skip_while(|a| a != "--screenshot");
+    arguments.next()?;
+    let path = arguments.next().map(PathBuf::from);
+    assert!(
+        path.is_some(),
+        "--screenshot needs a file: --screenshot room.png"
+    );
+    path
+}
+
+struct TakeScreenshot {
+    path: PathBuf,
+}
+
+#[derive(Resource)]
+struct Shot {
+    path: PathBuf,
+    image: Handle<Image>,
+    settled: u32,
+}
+
+impl Plugin for TakeScreenshot {
+    fn build(&self, app: &mut App) {
+        let mut image = Image::new_target_texture(800, 800, TextureFormat::Rgba8UnormSrgb, None);
+        image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+        image.resize(Extent3d {
+            width: 800,
+            height: 800,
+            depth_or_array_layers: 1,
+        });
+        let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
+        app.insert_resource(Shot {
+            path: self.path.clone(),
+            image,
+            settled: 0,
+        })
+        .add_systems(Update, (aim, shoot));
+    }
+}
+
+/// Turns cameras from the window that is not there to the image.
+fn aim(shot: Res<Shot>, mut cameras: Query<&mut RenderTarget, Added<Camera>>) {
+    for mut target in &mut cameras {
+        *target = RenderTarget::Image(shot.image.clone().into());
+    }
+}
+
+fn shoot(mut commands: Commands, mut shot: ResMut<Shot>, status: Res<RadiosityStatus>) {
+    if !status.is_up_to_date() {
+        shot.settled = 0;
+        return;
+    }
+    shot.settled += 1;
+    if shot.settled == SETTLE {
+        commands
+            .spawn(Screenshot::image(shot.image.clone()))
+            .observe(save_to_disk(shot.path.clone()))
+            .observe(
+                |_: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
+                    exit.write(AppExit::Success);
+                },
+            );
+    }
+}

@@ -1,0 +1,80 @@
+//! Colour bleeding and soft shadows: the Cornell box, lit by its lamp and by what bounces.
+//!
+//! Space takes the baked light away and gives it back, 1 to 3 bake as draft, balanced and final, R paints
+//! the red wall blue and back. `--screenshot FILE` saves a picture without a window.
+
+mod common;
+
+use bevy::gltf::GltfAssetLabel;
+use bevy::prelude::*;
+use bevy::world_serialization::WorldAssetRoot;
+use bevy_fresco::plugin::FrescoPlugins;
+use bevy_fresco::plugin::radiosity::{
+    BakeFinished, OriginalMaterial, RadiositySettings, StaticLighting,
+};
+use bevy_fresco::radiosity::BakeSettings;
+
+fn main() -> AppExit {
+    App::new()
+        .add_plugins((common::default_plugins("Cornell box"), FrescoPlugins))
+        // All light in the picture is the lamp's.
+        .insert_resource(GlobalAmbientLight::NONE)
+        .add_systems(Startup, setup)
+        .add_systems(Update, keys)
+        .add_observer(tell)
+        .run()
+}
+
+fn setup(mut commands: Commands, assets: Res<AssetServer>) {
+    let room = assets.load(GltfAssetLabel::Scene(0).from_asset("scenes/cornell_box.glb"));
+    commands.spawn((WorldAssetRoot(room), StaticLighting::default()));
+}
+
+fn keys(
+    mut commands: Commands,
+    keys: Res<ButtonInput<KeyCode>>,
+    root: Single<(Entity, Has<StaticLighting>), With<WorldAssetRoot>>,
+    walls: Query<(&Name, &OriginalMaterial)>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut settings: ResMut<RadiositySettings>,
+) {
+    let (root, lit) = *root;
+    if keys.just_pressed(KeyCode::Space) {
+        if lit {
+            commands.entity(root).remove::<StaticLighting>();
+        } else {
+            commands.entity(root).insert(StaticLighting::default());
+        }
+    }
+    let presets = [
+        (KeyCode::Digit1, BakeSettings::DRAFT),
+        (KeyCode::Digit2, BakeSettings::BALANCED),
+        (KeyCode::Digit3, BakeSettings::FINAL),
+    ];
+    for (key, preset) in presets {
+        if keys.just_pressed(key) {
+            settings.bake = preset;
+        }
+    }
+    if keys.just_pressed(KeyCode::KeyR) {
+        let red = walls.iter().find(|(name, _)| name.starts_with("Red wall"));
+        if let Some(mut paint) = red.and_then(|(_, wall)| materials.get_mut(&wall.0)) {
+            let c = paint.base_color.to_linear();
+            paint.base_color = LinearRgba::rgb(c.blue, c.green, c.red).into();
+        }
+    }
+}
+
+fn tell(finished: On<BakeFinished>) {
+    let report = &finished.report;
+    let milliseconds: f64 = report
+        .stages
+        .iter()
+        .map(|(_, t)| t.as_secs_f64() * 1e3)
+        .sum();
+    info!(
+        "{} vertices lit in {milliseconds:.0} ms, sampling error {:.1} %",
+        report.counts.vertices,
+        100.0 * report.sampling_error
+    );
+}

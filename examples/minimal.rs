@@ -1,0 +1,19 @@
+//! The least there is to do: a glTF file lit by its own bounced light.
+
+use bevy::gltf::GltfAssetLabel;
+use bevy::prelude::*;
+use bevy::world_serialization::WorldAssetRoot;
+use bevy_fresco::plugin::{FrescoPlugins, radiosity::StaticLighting};
+
+fn main() -> AppExit {
+    App::new()
+        .add_plugins((DefaultPlugins, FrescoPlugins))
+        .add_systems(Startup, setup)
+        .run()
+}
+
+fn setup(mut commands: Commands, assets: Res<AssetServer>) {
+    // The file brings its lamp and its camera.
+    let room = assets.load(GltfAssetLabel::Scene(0).from_asset("scenes/cornell_box.glb"));
+    commands.spawn((WorldAssetRoot(room), StaticLighting::default()));
+}
