@@ -5,6 +5,7 @@
 mod attribute;
 mod material;
 pub mod radiosity;
+mod shaders;
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 

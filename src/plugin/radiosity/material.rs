@@ -1,3 +1,4 @@
+use bevy::pbr::OpaqueRendererMethod;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
@@ -33,7 +34,7 @@ pub(super) fn move_materials(
             .and_then(|&id| extended.get_strong_handle(id))
             .unwrap_or_else(|| {
                 extended.add(FrescoMaterial {
-                    base: base.clone(),
+                    base: drawn_forward(base),
                     extension: FrescoExtension::default(),
                 })
             });
@@ -43,6 +44,16 @@ pub(super) fn move_materials(
             .try_remove::<MeshMaterial3d<StandardMaterial>>()
             .try_insert((MeshMaterial3d(handle), OriginalMaterial(material.0.clone())));
     }
+}
+
+/// Where Bevy may choose, lit surfaces are drawn forward: its deferred lighting would add the diffuse
+/// part of lights that are wholly baked a second time.
+fn drawn_forward(original: &StandardMaterial) -> StandardMaterial {
+    let mut material = original.clone();
+    if material.opaque_render_method == OpaqueRendererMethod::Auto {
+        material.opaque_render_method = OpaqueRendererMethod::Forward;
+    }
+    material
 }
 
 /// Carries changes of original materials over.
@@ -60,7 +71,7 @@ pub(super) fn follow_originals(
             AssetEvent::Added { id } | AssetEvent::Modified { id } => {
                 let copy = moved.0.get(id).and_then(|&to| extended.get_mut(to));
                 if let (Some(mut copy), Some(original)) = (copy, originals.get(*id)) {
-                    copy.base = original.clone();
+                    copy.base = drawn_forward(original);
                 }
             }
             AssetEvent::Removed { id } => {

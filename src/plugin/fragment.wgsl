@@ -1,0 +1,85 @@
+// Bevy's fragment shader (bevy_pbr 0.19.1, render/pbr.wgsl) with baked light in the place of a
+// lightmap, for the forward and the deferred pass.
+//
+// `bevy_fresco::pbr_functions` is Bevy's `pbr_functions`, lighting as if there were a lightmap
+// without one being bound: see `shaders.rs`.
+
+#import bevy_pbr::{
+    pbr_types,
+    pbr_functions::alpha_discard,
+    pbr_fragment::pbr_input_from_standard_material,
+    decal::clustered::apply_decals,
+}
+
+#ifdef PREPASS_PIPELINE
+#import bevy_pbr::{
+    prepass_io::{VertexOutput, FragmentOutput},
+    pbr_deferred_functions::deferred_output,
+}
+#else
+#import bevy_pbr::{
+    forward_io::{VertexOutput, FragmentOutput},
+    pbr_functions::main_pass_post_lighting_processing,
+}
+#import bevy_fresco::pbr_functions::apply_pbr_lighting
+#endif
+
+#ifdef VISIBILITY_RANGE_DITHER
+#import bevy_pbr::pbr_functions::visibility_range_dither
+#endif
+
+#ifdef OIT_ENABLED
+#import bevy_core_pipeline::oit::oit_draw
+#endif
+
+struct Fresco {
+    // x: gain of baked light.
+    params: vec4<f32>,
+}
+@group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> fresco: Fresco;
+
+@fragment
+fn fragment(
+    in: VertexOutput,
+    @builtin(front_facing) is_front: bool,
+    @location(10) baked_light: vec3<f32>,
+) -> FragmentOutput {
+#ifdef VISIBILITY_RANGE_DITHER
+    visibility_range_dither(in.position, in.visibility_range_dither);
+#endif
+
+    var pbr_input = pbr_input_from_standard_material(in, is_front);
+    pbr_input.material.base_color = alpha_discard(pbr_input.material, pbr_input.material.base_color);
+    apply_decals(&pbr_input);
+
+    let is_lit = (pbr_input.material.flags & pbr_types::STANDARD_MATERIAL_FLAGS_UNLIT_BIT) == 0u;
+    // The deferred pass would add it to unlit surfaces too. Multisampling extrapolates at edges:
+    // light must not come out negative there.
+    if is_lit {
+        pbr_input.lightmap_light = max(baked_light, vec3(0.0)) * fresco.params.x;
+    }
+
+#ifdef PREPASS_PIPELINE
+    // Exposure and diffuse colour are multiplied in there.
+    let out = deferred_output(in, pbr_input);
+#else
+    var out: FragmentOutput;
+    if is_lit {
+        out.color = apply_pbr_lighting(pbr_input);
+    } else {
+        out.color = pbr_input.material.base_color;
+    }
+    out.color = main_pass_post_lighting_processing(pbr_input, out.color);
+#endif
+
+#ifdef OIT_ENABLED
+    let alpha_mode = pbr_input.material.flags & pbr_types::STANDARD_MATERIAL_FLAGS_ALPHA_MODE_RESERVED_BITS;
+    if alpha_mode != pbr_types::STANDARD_MATERIAL_FLAGS_ALPHA_MODE_OPAQUE {
+        // Drawn later, when the transparent fragments are resolved.
+        oit_draw(in.position, out.color);
+        discard;
+    }
+#endif
+
+    return out;
+}

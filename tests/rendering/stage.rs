@@ -1,0 +1,217 @@
+//! One Bevy app without a window, on a thread of its own, that takes pictures for all tests.
+//!
+//! A renderer takes seconds to start without a GPU, hence one for all. The app cannot leave its
+//! thread, hence tests send what they want done to it.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Mutex, OnceLock};
+use std::thread;
+
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::{ClearColorConfig, Exposure, Hdr, RenderTarget};
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::log::tracing::{self, Level, Subscriber, field};
+use bevy::log::tracing_subscriber::{Layer, layer};
+use bevy::log::{BoxedLayer, LogPlugin};
+use bevy::prelude::*;
+use bevy::render::RenderApp;
+use bevy::render::gpu_readback::{Readback, ReadbackComplete};
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::render_resource::{PipelineCache, TextureFormat, TextureUsages};
+use bevy::render::{RenderPlugin, view::Msaa};
+use bevy::window::ExitCondition;
+use bevy::winit::WinitPlugin;
+use bevy_fresco::plugin::FrescoMaterialPlugin;
+
+use crate::picture::Picture;
+
+/// Pixels on a side of every picture.
+pub(crate) const SIZE: u32 = 64;
+
+/// What pixels are multiplied by: a camera's default exposure.
+pub(crate) fn exposure() -> f32 {
+    Exposure::default().exposure()
+}
+
+static ERRORS: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+type Job = Box<dyn FnOnce(&mut Stage) + Send>;
+
+/// Does `work` on the stage and gives back what it gives, or panics as it does.
+pub(crate) fn on_stage<R: Send + 'static>(
+    work: impl FnOnce(&mut Stage) -> R + Send + 'static,
+) -> R {
+    static STAGE: OnceLock<Mutex<Sender<Job>>> = OnceLock::new();
+    let jobs = STAGE.get_or_init(|| {
+        let (sender, receiver) = channel::<Job>();
+        thread::spawn(move || {
+            let mut stage = Stage::new();
+            for job in receiver {
+                job(&mut stage);
+            }
+        });
+        Mutex::new(sender)
+    });
+    let (sender, receiver) = channel::<Result<R, Box<dyn Any + Send>>>();
+    let job: Job = Box::new(move |stage| {
+        let done = catch_unwind(AssertUnwindSafe(|| work(stage)));
+        stage.clear();
+        let _ = sender.send(done);
+    });
+    jobs.lock().unwrap().send(job).unwrap();
+    match receiver.recv().expect("the stage could not be set up") {
+        Ok(result) => result,
+        Err(panic) => resume_unwind(panic),
+    }
+}
+
+/// The app and the last picture it took.
+pub(crate) struct Stage {
+    app: App,
+}
+
+#[derive(Resource, Default)]
+struct Frames(Vec<Vec<u8>>);
+
+impl Stage {
+    fn new() -> Self {
+        let mut app = App::new();
+        app.add_plugins((
+            DefaultPlugins
+                .set(WindowPlugin {
+                    primary_window: None,
+                    exit_condition: ExitCondition::DontExit,
+                    ..default()
+                })
+                .set(RenderPlugin {
+                    synchronous_pipeline_compilation: true,
+                    ..default()
+                })
+                .set(LogPlugin {
+                    level: Level::WARN,
+                    custom_layer: |_| Some(Box::new(KeepErrors) as BoxedLayer),
+                    ..default()
+                })
+                .disable::<WinitPlugin>()
+                .disable::<PipelinedRenderingPlugin>(),
+            FrescoMaterialPlugin,
+        ))
+        .init_resource::<Frames>()
+        .add_observer(|frame: On<ReadbackComplete>, mut frames: ResMut<Frames>| {
+            frames.0.push(frame.data.clone());
+        });
+        app.finish();
+        app.cleanup();
+        Self { app }
+    }
+
+    /// What the camera sees, from 3 m in front of the origin, of what `scene` puts there: black
+    /// where there is nothing, and alpha 0.
+    pub(crate) fn shoot(
+        &mut self,
+        camera: impl FnOnce(&mut EntityWorldMut),
+        scene: impl FnOnce(&mut World),
+    ) -> Picture {
+        self.clear();
+        ERRORS.lock().unwrap().clear();
+        let world = self.app.world_mut();
+        world.insert_resource(GlobalAmbientLight::NONE);
+        let target = {
+            let mut image = Image::new_target_texture(SIZE, SIZE, TextureFormat::Rgba32Float, None);
+            image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+            image.asset_usage = RenderAssetUsages::all();
+            world.resource_mut::<Assets<Image>>().add(image)
+        };
+        let mut eye = world.spawn((
+            Camera3d::default(),
+            Camera {
+                clear_color: ClearColorConfig::Custom(Color::NONE),
+                ..default()
+            },
+            Projection::from(PerspectiveProjection {
+                fov: 2.0 * (1.0_f32 / 3.0).atan(),
+                ..default()
+            }),
+            RenderTarget::from(target.clone()),
+            Transform::from_xyz(0.0, 0.0, 3.0),
+            Tonemapping::None,
+            Msaa::Off,
+            Hdr,
+        ));
+        camera(&mut eye);
+        scene(world);
+        world.spawn((Readback::texture(target), Transform::default()));
+        self.wait_for_a_still_frame()
+    }
+
+    /// A frame is right when nothing waits for a shader, something is seen, and it stays so.
+    fn wait_for_a_still_frame(&mut self) -> Picture {
+        const STILL: usize = 4;
+        for _ in 0..200 {
+            self.app.update();
+            let errors = std::mem::take(&mut *ERRORS.lock().unwrap());
+            assert!(errors.is_empty(), "Bevy logged errors: {errors:#?}");
+            let waiting = self
+                .app
+                .sub_app(RenderApp)
+                .world()
+                .resource::<PipelineCache>()
+                .waiting_pipelines()
+                .count();
+            let mut frames = self.app.world_mut().resource_mut::<Frames>();
+            if waiting > 0 {
+                frames.0.clear();
+            }
+            let count = frames.0.len();
+            if count <= STILL + 2 {
+                continue;
+            }
+            let last = &frames.0[count - STILL..];
+            if last.iter().all(|frame| *frame == last[0]) {
+                let picture = Picture::from_bytes(SIZE as usize, &last[0]);
+                if picture.pixels.iter().flatten().any(|v| *v > 0.0) {
+                    return picture;
+                }
+            }
+        }
+        panic!("no frame stood still in 200");
+    }
+
+    /// Takes away what the last picture showed.
+    fn clear(&mut self) {
+        let world = self.app.world_mut();
+        let staged: Vec<Entity> = world
+            .query_filtered::<Entity, With<Transform>>()
+            .iter(world)
+            .collect();
+        for entity in staged {
+            world.despawn(entity);
+        }
+        self.app.update();
+        self.app.update();
+        self.app.world_mut().resource_mut::<Frames>().0.clear();
+    }
+}
+
+/// Keeps what is logged as an error: rendering goes on after one.
+struct KeepErrors;
+
+impl<S: Subscriber> Layer<S> for KeepErrors {
+    fn on_event(&self, event: &tracing::Event<'_>, _: layer::Context<'_, S>) {
+        if *event.metadata().level() == Level::ERROR {
+            let mut text = Text(String::new());
+            event.record(&mut text);
+            ERRORS.lock().unwrap().push(text.0);
+        }
+    }
+}
+
+struct Text(String);
+
+impl field::Visit for Text {
+    fn record_debug(&mut self, field: &field::Field, value: &dyn std::fmt::Debug) {
+        self.0 += &format!("{field}: {value:?} ");
+    }
+}
