@@ -1,6 +1,10 @@
+use std::ops::Range;
+
 use glam::{DVec3, Vec3, Vec3A};
 
+use super::bounds::{Bounds, Sphere};
 use super::grouping::{Group, merge};
+use super::identity::object_seeds;
 use super::occlusion::Hit;
 use super::sampling::{hash, sobol, triangle as triangle_point};
 use super::surface::Surfaces;
@@ -34,6 +38,11 @@ pub(crate) struct Elements {
     cells: Vec<Cells>,
     /// Unit normal of the front of each live triangle.
     normals: Vec<Vec3>,
+    /// Where the random numbers of each element start: by its object and its place in it, so that
+    /// they stay when other objects come and go.
+    seeds: Vec<u32>,
+    /// First element of each object, and one past the last.
+    first_of_object: Vec<u32>,
 }
 
 /// A live triangle or one cell of it, on one side, as part of an element.
@@ -69,11 +78,11 @@ pub(crate) struct ElementPoint {
 const TEXTURE_POINTS: usize = 16;
 
 impl Elements {
-    /// Cuts and merges the live triangles into about `count` elements.
+    /// Cuts and merges the live triangles into elements of about the area `target`.
     pub(crate) fn new(
         scene: &ValidScene,
         surfaces: &Surfaces,
-        count: u32,
+        target: f32,
         max_reflectance: f32,
     ) -> Self {
         let areas: Vec<f32> = scene
@@ -81,8 +90,6 @@ impl Elements {
             .iter()
             .map(|&t| area(scene.corners(t)) * f32::from(u8::from(scene.casts(t))))
             .collect();
-        let total: f64 = areas.iter().map(|&a| f64::from(a)).sum();
-        let target = (total / f64::from(count.max(1))) as f32;
         let normals: Vec<Vec3> = (scene.triangles.iter())
             .map(|&t| face_normal(scene.corners(t)))
             .collect();
@@ -95,7 +102,7 @@ impl Elements {
         {
             builder.add(group, &areas, target);
         }
-        builder.elements
+        builder.finish()
     }
 
     /// Elements without a shape, for tests of the solver.
@@ -112,7 +119,45 @@ impl Elements {
             pieces: Vec::new(),
             cells: Vec::new(),
             normals: Vec::new(),
+            seeds: vec![0; count],
+            first_of_object: Vec::new(),
         }
+    }
+
+    /// The area of an element for about `count` of them, in squared internal units.
+    pub(crate) fn target(scene: &ValidScene, count: u32) -> f32 {
+        let casting = scene.triangles.iter().filter(|&&t| scene.casts(t));
+        let total: f64 = casting.map(|&t| f64::from(area(scene.corners(t)))).sum();
+        (total / f64::from(count.max(1))) as f32
+    }
+
+    /// The elements of an object.
+    pub(crate) fn of_object(&self, object: usize) -> Range<usize> {
+        self.first_of_object[object] as usize..self.first_of_object[object + 1] as usize
+    }
+
+    /// A seed for the rays of an element, apart from those of samples and of other elements.
+    pub(crate) fn seed(&self, element: ElementId, seed: u32) -> u32 {
+        hash(self.seeds[element.0 as usize], hash(seed, 0xE1E3))
+    }
+
+    /// A sphere around an element.
+    pub(crate) fn sphere(&self, scene: &ValidScene, element: ElementId) -> Sphere {
+        Bounds::of(self.shape(scene, element).flat_map(|s| s.1)).sphere()
+    }
+
+    /// Whether object `o` has the elements that object `p` has in `other`, but for reflectance and
+    /// emission.
+    pub(crate) fn same_shapes(&self, o: usize, other: &Self, p: usize) -> bool {
+        let (a, b) = (self.of_object(o), other.of_object(p));
+        self.area[a.clone()] == other.area[b.clone()]
+            && self.coverage[a.clone()] == other.coverage[b.clone()]
+            && self.seeds[a.clone()] == other.seeds[b.clone()]
+            && a.zip(b).all(|(e, f)| {
+                self.pieces_of(ElementId(e as u32)).len()
+                    == other.pieces_of(ElementId(f as u32)).len()
+                    && self.is_back(e) == other.is_back(f)
+            })
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -185,7 +230,7 @@ impl Elements {
     }
 
     /// The element of the same surface as a ray's hit would find it.
-    fn side_at(&self, triangle: u32, uv: [f32; 2], back: bool) -> Option<ElementId> {
+    pub(crate) fn side_at(&self, triangle: u32, uv: [f32; 2], back: bool) -> Option<ElementId> {
         self.at(&Hit {
             triangle,
             distance: 0.0,
@@ -194,17 +239,18 @@ impl Elements {
         })
     }
 
-    /// Radiance that a ray sees which stopped at this point of a live triangle's side.
+    /// All elements on a live triangle, of both sides.
+    pub(crate) fn of_triangle(&self, triangle: u32) -> impl Iterator<Item = u32> {
+        let cells = self.cells[triangle as usize];
+        let count = u32::from(cells.n).pow(2);
+        let sides = [Some(cells.front), cells.back].into_iter().flatten();
+        sides.flat_map(move |first| first..first + count)
+    }
+
+    /// Radiance emitted at a point of a live triangle's side.
     pub(crate) fn emission_at(&self, triangle: u32, uv: [f32; 2], back: bool) -> Vec3 {
         self.side_at(triangle, uv, back)
             .map_or(Vec3::ZERO, |e| self.emission[e.0 as usize])
-    }
-
-    /// The same, counting the part of the surface that is not there as dark.
-    pub(crate) fn covered_emission_at(&self, triangle: u32, uv: [f32; 2], back: bool) -> Vec3 {
-        self.side_at(triangle, uv, back).map_or(Vec3::ZERO, |e| {
-            self.emission[e.0 as usize] * self.coverage[e.0 as usize]
-        })
     }
 
     /// The triangles that an element is made of, each with its live triangle, its corners and the
@@ -231,20 +277,15 @@ impl Elements {
         })
     }
 
-    /// The object whose surface an element is part of.
-    pub(crate) fn object(&self, scene: &ValidScene, element: usize) -> usize {
-        let piece = self.pieces[self.first_piece[element] as usize];
-        scene.triangles[piece.triangle as usize].object as usize
-    }
-
     /// Whether an element is the back of its surface.
     pub(crate) fn is_back(&self, element: usize) -> bool {
         self.pieces[self.first_piece[element] as usize].back
     }
 
     pub(crate) fn bytes(&self) -> u64 {
-        (self.len() * (12 + 12 + 4 + 4 + 4) + self.pieces.len() * 16 + self.cells.len() * (16 + 12))
-            as u64
+        (self.len() * (12 + 12 + 4 + 4 + 4 + 4)
+            + self.pieces.len() * 16
+            + self.cells.len() * (16 + 12)) as u64
     }
 }
 
@@ -252,6 +293,7 @@ struct Builder<'a> {
     scene: &'a ValidScene,
     surfaces: &'a Surfaces<'a>,
     max_reflectance: f32,
+    seeds: Vec<u32>,
     elements: Elements,
 }
 
@@ -266,6 +308,7 @@ impl<'a> Builder<'a> {
             scene,
             surfaces,
             max_reflectance,
+            seeds: object_seeds(scene),
             elements: Elements {
                 reflectance: Vec::new(),
                 emission: Vec::new(),
@@ -276,6 +319,8 @@ impl<'a> Builder<'a> {
                 pieces: Vec::new(),
                 cells: vec![Cells::default(); scene.triangles.len()],
                 normals,
+                seeds: Vec::new(),
+                first_of_object: vec![0; scene.objects.len() + 1],
             },
         }
     }
@@ -322,7 +367,8 @@ impl<'a> Builder<'a> {
         let (mut reflectance, mut emission, mut covered) = (Vec3::ZERO, Vec3::ZERO, 0.0_f64);
         let mut cumulative = 0.0;
         for &t in group {
-            let seed = hash(t, cell);
+            let key = self.scene.triangles[t as usize];
+            let seed = hash(key.triangle, cell);
             let points: [Vec3; TEXTURE_POINTS] = std::array::from_fn(|i| {
                 let [u, v, ..] = sobol(i as u32, 0, seed);
                 in_cell(triangle_point(u, v), cell, n)
@@ -358,6 +404,17 @@ impl<'a> Builder<'a> {
         e.area.push(covered as f32);
         e.coverage.push((covered / whole) as f32);
         e.first_piece.push(e.pieces.len() as u32);
+        // Objects follow each other: count here, add up in the end.
+        e.seeds
+            .push(hash(e.first_of_object[object + 1], self.seeds[object]));
+        e.first_of_object[object + 1] += 1;
+    }
+
+    fn finish(mut self) -> Elements {
+        for o in 1..self.elements.first_of_object.len() {
+            self.elements.first_of_object[o] += self.elements.first_of_object[o - 1];
+        }
+        self.elements
     }
 }
 
@@ -404,11 +461,6 @@ fn in_cell(point: Vec3, cell: u32, n: u16) -> Vec3 {
     };
     let (u, v) = ((i as f32 + u) / n as f32, (j as f32 + v) / n as f32);
     Vec3::new(1.0 - u - v, u, v)
-}
-
-/// A seed for the rays of an element, apart from those of samples and of other elements.
-pub(crate) fn element_seed(element: ElementId, seed: u32) -> u32 {
-    hash(element.0, hash(seed, 0xE1E3))
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 use std::ops::Range;
 
-use glam::{Vec3, Vec3A};
+use glam::Vec3;
 
-use super::element::Elements;
+use super::element::{ElementId, Elements};
 use super::emitter_tree::{Choices, EmitterTree, Leaf};
 use super::occlusion::{Hit, OFFSET, Occluders};
 use super::sampling::{sobol, triangle as triangle_point};
@@ -20,19 +20,19 @@ use super::settings::BakeSettings;
 /// alone, which find them without noise.
 #[derive(Clone, Copy)]
 pub(crate) struct Emitters<'a> {
-    tree: &'a EmitterTree,
-    light: Light<'a>,
+    pub(crate) tree: &'a EmitterTree,
+    light: Light,
     pub(crate) samples: u32,
     rays: u32,
 }
 
 /// What shines in a tree.
-#[derive(Clone, Copy)]
-enum Light<'a> {
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Light {
     /// Emission of triangles.
     Emission,
     /// Reflected light of elements.
-    Reflected(&'a [Vec3A]),
+    Reflected,
 }
 
 /// A point that receives light.
@@ -68,22 +68,35 @@ impl<'a> Emitters<'a> {
     }
 
     /// For the samples inside the triangles of a bake, of elements that reflect much light.
-    pub(crate) fn bright_at_samples(
-        tree: &'a EmitterTree,
-        reflected: &'a [Vec3A],
-        settings: &BakeSettings,
-    ) -> Self {
+    pub(crate) fn bright_at_samples(tree: &'a EmitterTree, settings: &BakeSettings) -> Self {
         Self {
             tree,
-            light: Light::Reflected(reflected),
+            light: Light::Reflected,
             // They are a smaller part of the light than lamps are.
             samples: settings.emitter_rays.div_ceil(2),
             rays: settings.gather_rays,
         }
     }
 
-    /// Direct light of sampled emitters at a receiver (irradiance / π): the mean over the samples
-    /// `indices` of the sequence `seed`.
+    /// Which elements' light is sampled: rays that meet them count in part.
+    pub(crate) fn marks(&self, elements: &Elements) -> Vec<bool> {
+        let mut marks = vec![false; elements.len()];
+        for leaf in &self.tree.leaves {
+            match self.light {
+                Light::Emission => {
+                    for e in elements.of_triangle(leaf.triangle) {
+                        marks[e as usize] = true;
+                    }
+                }
+                Light::Reflected => marks[leaf.source as usize] = true,
+            }
+        }
+        marks
+    }
+
+    /// Samples the light of emitters at a receiver, with the samples `indices` of the sequence
+    /// `seed`: `found` is told of elements and how much of their light arrives (irradiance / π of
+    /// unit radiance, the mean over the samples). Returns how many shadow rays that took.
     pub(crate) fn sample(
         &self,
         elements: &Elements,
@@ -91,46 +104,50 @@ impl<'a> Emitters<'a> {
         receiver: &Receiver,
         seed: u32,
         indices: Range<u32>,
-    ) -> Vec3 {
+        mut found: impl FnMut(u32, f32),
+    ) -> u64 {
         if self.tree.leaves.is_empty() {
-            return Vec3::ZERO;
+            return 0;
         }
         let choices = Choices::new(self.tree, receiver);
         if choices.is_empty() {
-            return Vec3::ZERO;
+            return 0;
         }
-        let mut sum = Vec3::ZERO;
-        let count = indices.len() as f32;
+        let (count, mut traced) = (indices.len() as f32, 0);
         for i in indices {
             let [choice, u, v, _] = sobol(i, 1, seed);
             let Some((leaf, probability)) = choices.choose(self.tree, receiver, choice) else {
                 continue;
             };
             let leaf = &self.tree.leaves[leaf as usize];
-            let barycentrics = triangle_point(u, v);
-            sum += self.sample_point(
-                elements,
-                occluders,
-                receiver,
-                leaf,
-                barycentrics,
-                probability,
+            let b = triangle_point(u, v);
+            let Some(sent) = self.sent(elements, receiver, leaf, b, probability) else {
+                continue;
+            };
+            traced += 1;
+            let passing = occluders.transmittance(
+                receiver.position,
+                sent.direction,
+                sent.distance - OFFSET,
+                [receiver.triangle, leaf.triangle],
             );
+            if passing > 0.0 {
+                found(sent.element, sent.light * passing / count);
+            }
         }
-        sum / count
+        traced
     }
 
-    /// One sample's estimate of irradiance / π: `L cos cos' / (π d²) / (probability / area)`,
-    /// times the weight of sampling against rays.
-    fn sample_point(
+    /// One sample's estimate of irradiance / π, unshadowed and for unit radiance:
+    /// `cos cos' / (π d²) / (probability / area)`, times the weight of sampling against rays.
+    fn sent(
         &self,
         elements: &Elements,
-        occluders: &Occluders,
         receiver: &Receiver,
         leaf: &Leaf,
         b: Vec3,
         probability: f32,
-    ) -> Vec3 {
+    ) -> Option<Sent> {
         let [p, q, r] = leaf.corners;
         let point = p * b.x + q * b.y + r * b.z;
         let to = point - receiver.position;
@@ -140,59 +157,50 @@ impl<'a> Emitters<'a> {
         let facing = -leaf.normal.dot(direction);
         if !(cosine > 0.0 && (facing > 0.0 || leaf.two_sided)) || leaf.triangle == receiver.triangle
         {
-            return Vec3::ZERO;
+            return None;
         }
-        let emission = match self.light {
+        let element = match self.light {
             Light::Emission => {
-                elements.covered_emission_at(leaf.triangle, [b.y, b.z], facing < 0.0)
+                let e = elements.side_at(leaf.triangle, [b.y, b.z], facing < 0.0)?.0;
+                // Whether an element emits is known as long as a tree is kept.
+                (elements.emission[e as usize] != Vec3::ZERO).then_some(e)?
             }
-            Light::Reflected(light) => {
-                Vec3::from(light[leaf.source as usize]) * elements.coverage[leaf.source as usize]
-            }
+            Light::Reflected => leaf.source,
         };
         let density = probability / leaf.area * distance * distance / facing.abs();
-        if emission == Vec3::ZERO || !density.is_finite() || density <= 0.0 {
-            return Vec3::ZERO;
+        if !density.is_finite() || density <= 0.0 {
+            return None;
         }
-        let passing = occluders.transmittance(
-            receiver.position,
+        let weight = self.sampling_weight(density, cosine) * elements.coverage[element as usize];
+        Some(Sent {
+            element,
             direction,
-            distance - OFFSET,
-            [receiver.triangle, leaf.triangle],
-        );
-        let weight = self.sampling_weight(density, cosine);
-        emission * (passing * cosine / std::f32::consts::PI / density * weight)
+            distance,
+            light: cosine / std::f32::consts::PI / density * weight,
+        })
     }
 
-    /// Light that a ray of density cos/π came upon, times the weight of rays against samples.
-    pub(crate) fn found_by_ray(
+    /// How much of the light counts that a ray of density cos/π came upon: the weight of rays
+    /// against samples.
+    pub(crate) fn ray_weight(
         &self,
-        elements: &Elements,
+        element: ElementId,
         receiver: &Receiver,
         direction: Vec3,
         hit: &Hit,
-    ) -> Vec3 {
-        let (light, source) = match self.light {
-            Light::Emission => (
-                elements.emission_at(hit.triangle, hit.uv, hit.back),
-                hit.triangle,
-            ),
-            Light::Reflected(light) => match elements.at(hit) {
-                Some(e) => (Vec3::from(light[e.0 as usize]), e.0),
-                None => return Vec3::ZERO,
-            },
+    ) -> f32 {
+        let source = match self.light {
+            Light::Emission => hit.triangle,
+            Light::Reflected => element.0,
         };
-        if light == Vec3::ZERO {
-            return light;
-        }
         let Some(leaf) = self.tree.leaf(source, hit.triangle) else {
-            return light;
+            return 1.0;
         };
         let probability = self.tree.probability(receiver, leaf);
         let leaf = &self.tree.leaves[leaf as usize];
         let facing = leaf.normal.dot(direction).abs();
         let density = probability / leaf.area * hit.distance * hit.distance / facing;
-        light * (1.0 - self.sampling_weight(density, receiver.normal.dot(direction)))
+        1.0 - self.sampling_weight(density, receiver.normal.dot(direction))
     }
 
     /// Veach and Guibas 1995: the power heuristic with exponent 2.
@@ -205,4 +213,12 @@ impl<'a> Emitters<'a> {
         let ratio = traced / sampled.max(f32::MIN_POSITIVE);
         1.0 / (1.0 + ratio * ratio)
     }
+}
+
+/// Light that an emitter may send to a receiver.
+struct Sent {
+    element: u32,
+    direction: Vec3,
+    distance: f32,
+    light: f32,
 }

@@ -1,5 +1,6 @@
 use glam::{Vec2, Vec3, Vec3A};
 
+use super::bounds::{Disturbed, Sphere};
 use super::element::{ElementId, Elements};
 use super::emitter::Receiver;
 use super::observer::{Observer, Stage};
@@ -58,6 +59,9 @@ const WIDE: f32 = 0.1;
 
 /// Elements that reflect more than this many times the mean are sampled in the gather.
 const BRIGHT: f32 = 6.0;
+
+/// The share of the light above that limit that known bright elements must send to be good enough.
+const COVERED: f64 = 0.8;
 
 /// As many of them at most, the brightest.
 const MOST_BRIGHT: usize = 4096;
@@ -140,6 +144,80 @@ impl EmitterTree {
             tree.build(&mut order, powers, u32::MAX);
         }
         tree
+    }
+
+    /// The same tree over live triangles and sources of other numbers, `sources` in all.
+    pub(crate) fn renumbered(
+        &self,
+        triangles: &[u32],
+        sources_new: &[u32],
+        sources: usize,
+    ) -> Self {
+        let leaves = self.leaves.iter().map(|leaf| Leaf {
+            triangle: triangles[leaf.triangle as usize],
+            source: sources_new[leaf.source as usize],
+            ..*leaf
+        });
+        let leaves: Vec<Leaf> = leaves.collect();
+        let mut first_leaf = vec![None; sources];
+        for (i, leaf) in leaves.iter().enumerate() {
+            first_leaf[leaf.source as usize].get_or_insert(i as u32);
+        }
+        Self {
+            nodes: self.nodes.clone(),
+            leaves,
+            first_leaf,
+        }
+    }
+
+    /// Whether the elements of a tree made by [`Self::bright`] still send most of the light that
+    /// makes elements bright.
+    pub(crate) fn covers(&self, elements: &Elements, reflected: &[Vec3A]) -> bool {
+        let mean = elements.mean(reflected).element_sum() as f32;
+        let (mut all, mut covered) = (0.0_f64, 0.0_f64);
+        for (e, light) in reflected.iter().enumerate() {
+            let excess = (light.element_sum() - BRIGHT * mean).max(0.0);
+            let power = f64::from(excess * elements.area[e]);
+            all += power;
+            covered += f64::from(u8::from(self.first_leaf[e].is_some())) * power;
+        }
+        covered >= COVERED * all
+    }
+
+    /// Whether it is over the elements that `old` was over, whose numbers now are `now`.
+    pub(crate) fn same_leaves_as(&self, old: &Self, now: &[u32]) -> bool {
+        self.leaves.len() == old.leaves.len()
+            && (self.leaves.iter().zip(&old.leaves))
+                .all(|(a, b)| a.source == now[b.source as usize] && a.corners == b.corners)
+            && (self.nodes.iter().zip(&old.nodes)).all(|(a, b)| a.power == b.power)
+    }
+
+    /// Whether light from any emitter to any point of a sphere may be disturbed.
+    pub(crate) fn disturbed(&self, disturbed: &Disturbed, to: Sphere) -> bool {
+        !self.nodes.is_empty() && !disturbed.is_empty() && self.node_disturbed(disturbed, to, 0, 0)
+    }
+
+    /// Looks into a node as long as it is worth it.
+    fn node_disturbed(&self, disturbed: &Disturbed, to: Sphere, node: u32, depth: u32) -> bool {
+        let node = &self.nodes[node as usize];
+        let from = Sphere {
+            center: node.center,
+            radius: node.radius,
+        };
+        disturbed.between(to, from)
+            && match node.content {
+                Content::Children(left, right) if depth < 5 => {
+                    self.node_disturbed(disturbed, to, left, depth + 1)
+                        || self.node_disturbed(disturbed, to, right, depth + 1)
+                }
+                _ => true,
+            }
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        (self.nodes.len() * size_of::<Node>()
+            + self.leaves.len() * size_of::<Leaf>()
+            + self.first_leaf.len() * 8) as u64
     }
 
     /// The leaf of a source on a live triangle.

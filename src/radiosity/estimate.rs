@@ -2,14 +2,14 @@ use std::time::Instant;
 
 use super::bake::BakeError;
 use super::bvh::BvhQuality;
-use super::element::{ElementId, Elements, element_seed};
+use super::element::{ElementId, Elements};
 use super::observer::{Observer, Stage};
 use super::occlusion::{Hierarchy, Holds, OFFSET, Occluders};
 use super::parallel::map_ranges;
 use super::receiver_mesh::ReceiverMeshes;
 use super::sampling::{cosine_hemisphere, frame, sobol};
 use super::settings::BakeSettings;
-use super::surface::Surfaces;
+use super::surface::{Pyramids, Surfaces};
 use super::triangle::area;
 use super::validate::ValidScene;
 
@@ -77,7 +77,7 @@ pub fn estimate(
     settings.check()?;
     let mut estimate = estimate_counts(scene, settings);
     if estimate.vertices < TRY_VERTICES {
-        let receivers = ReceiverMeshes::new(scene, settings.max_edge)?;
+        let receivers = ReceiverMeshes::new(scene, settings.max_edge, None)?;
         estimate.vertices = receivers.vertex_count() as u64;
         let triangles = receivers.meshes.iter().map(|m| m.triangles.len() as u64);
         let triangles = triangles.sum();
@@ -85,11 +85,12 @@ pub fn estimate(
         estimate.count_rays(scene, settings, triangles);
     }
     let started = Instant::now();
-    let surfaces = Surfaces::new(scene);
+    let pyramids = Pyramids::new(scene, None);
+    let surfaces = Surfaces::new(scene, &pyramids);
     let elements = Elements::new(
         scene,
         &surfaces,
-        settings.elements,
+        Elements::target(scene, settings.elements),
         settings.max_reflectance,
     );
     let hierarchy = Hierarchy::new(scene, &surfaces, Holds::Casting, BvhQuality::Best);
@@ -200,7 +201,7 @@ fn probe(
     occluders: &Occluders,
     element: ElementId,
 ) -> usize {
-    let seed = element_seed(element, 0xE571);
+    let seed = elements.seed(element, 0xE571);
     let point = elements.point(scene, element, 0.5, 0.5);
     let origin = point.position + point.normal * OFFSET;
     let around = frame(point.normal);

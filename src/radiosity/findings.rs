@@ -6,13 +6,13 @@ use super::element::Elements;
 use super::emitter_tree::EmitterTree;
 use super::fit::Fit;
 use super::form_factor::HitList;
-use super::gather::TriangleSamples;
+use super::gathered::TriangleSamples;
 use super::observer::Stage;
 use super::receiver_mesh::ReceiverMeshes;
 use super::report::{Counts, EnergyBalance, Report, Work};
 use super::settings::BakeSettings;
 use super::solve::Solution;
-use super::validate::ValidScene;
+use super::validate::{ValidScene, shines};
 
 /// Everything a finished bake can be asked about.
 pub(crate) struct Findings<'a> {
@@ -44,7 +44,7 @@ impl Findings<'_> {
                 + size_of_val(self.samples) as u64,
             energy,
             solver: self.solution.report,
-            sampling_error: self.fitted.sampling_error,
+            sampling_error: self.fitted.smoothing.sampling_error,
             mean_light: self.fitted.mean,
             work: self.work,
             notes: self.notes(&energy),
@@ -131,7 +131,9 @@ impl Findings<'_> {
                 solver.sweeps, solver.error_bound
             ));
         }
-        if energy.arrived == DVec3::ZERO {
+        if !shines(self.scene) {
+            notes.push("nothing in the scene emits light: the baked light is black".into());
+        } else if energy.arrived == DVec3::ZERO {
             notes.push(
                 "no light reaches any surface, the result is black: check where lights are, and which way \
                  one-sided emitters face"

@@ -1,15 +1,14 @@
 use glam::Vec3;
 
 use super::color::{divide, luminance};
-use super::gather::TriangleSamples;
+use super::gathered::TriangleSamples;
+use super::parallel::Cancelled;
 
 /// Vertex light fitted to the samples.
 pub(crate) struct Fit {
     /// Light (irradiance / π) of each unknown.
     pub(crate) light: Vec<Vec3>,
-    /// Relative RMS of the difference of two fits to half the samples each, halved: the error
-    /// that chance leaves in the whole.
-    pub(crate) sampling_error: f32,
+    pub(crate) smoothing: Smoothing,
     /// Area-weighted mean luminance.
     pub(crate) mean: f32,
     /// Unknowns without a sample of their own, filled along the mesh.
@@ -18,9 +17,19 @@ pub(crate) struct Fit {
     pub(crate) dark: Vec<bool>,
 }
 
+/// How noise is dealt with, as the samples themselves told.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Smoothing {
+    /// How strongly neighbouring vertices are pulled together, by kind of light.
+    lambda: [f32; 2],
+    /// Relative RMS of the difference of two fits to half the samples each, halved: the error
+    /// that chance leaves in the whole.
+    pub(crate) sampling_error: f32,
+}
+
 /// How strongly neighbouring vertices are at least pulled together, as a share of the samples' own
 /// pull: light with sharp edges keeps them, gathered light is smooth and its noise is not.
-const SMOOTHING: [f32; 2] = [0.001, 0.01];
+const LEAST: [f32; 2] = [0.001, 0.01];
 
 /// Stronger smoothing is tried in steps of this factor, up to the samples' own pull.
 const STEP: f32 = 4.0;
@@ -54,15 +63,32 @@ const MAX_ITERATIONS: usize = 500;
 ///
 /// How much λ is right depends on the noise. The half-sets tell: a fit to one is judged by the
 /// samples of the other (cross-validation), and λ grows as long as that gets better.
-pub(crate) fn fit(triangles: &[TriangleSamples], unknowns: usize, seams: &[Vec<u32>]) -> Fit {
+///
+/// A `known` smoothing is taken as it is, with the sampling error found along with it. `go_on` is
+/// asked between solutions.
+pub(crate) fn fit(
+    triangles: &[TriangleSamples],
+    (unknowns, seams): (usize, &[Vec<u32>]),
+    known: Option<&Smoothing>,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Fit, Cancelled> {
     let mut whole = vec![Vec3::ZERO; unknowns];
     let mut difference = vec![Vec3::ZERO; unknowns];
-    for kind in 0..SMOOTHING.len() {
-        let chosen = choose_smoothing(triangles, unknowns, kind);
-        let solved = solve(triangles, unknowns, &[0, 1], kind, chosen.smoothing);
-        for i in 0..unknowns {
-            whole[i] += solved[i];
-            difference[i] += chosen.fits[0][i] - chosen.fits[1][i];
+    let mut lambda = known.map_or([0.0; 2], |k| k.lambda);
+    for kind in 0..LEAST.len() {
+        if known.is_none() {
+            let chosen = choose_smoothing(triangles, unknowns, kind, go_on)?;
+            lambda[kind] = chosen.lambda;
+            for (i, sum) in difference.iter_mut().enumerate() {
+                *sum += chosen.fits[0][i] - chosen.fits[1][i];
+            }
+        }
+        if !go_on() {
+            return Err(Cancelled);
+        }
+        let solved = solve(triangles, unknowns, &[0, 1], kind, lambda[kind]);
+        for (sum, light) in whole.iter_mut().zip(solved) {
+            *sum += light;
         }
     }
     let mut area = vec![0.0_f32; unknowns];
@@ -88,17 +114,21 @@ pub(crate) fn fit(triangles: &[TriangleSamples], unknowns: usize, seams: &[Vec<u
     let level = mean(&|i| f64::from(luminance(whole[i])));
     let variance = mean(&|i| (0.5 * f64::from(luminance(difference[i]))).powi(2));
     let dark = unreached(triangles, &sampled);
-    Fit {
-        sampling_error: if level > 0.0 {
-            (variance.sqrt() / level) as f32
-        } else {
-            0.0
+    let error = if level > 0.0 {
+        (variance.sqrt() / level) as f32
+    } else {
+        0.0
+    };
+    Ok(Fit {
+        smoothing: Smoothing {
+            lambda,
+            sampling_error: known.map_or(error, |k| k.sampling_error),
         },
         mean: level as f32,
         filled: (0..unknowns).map(|i| !sampled[i] && !dark[i]).collect(),
         light: whole,
         dark,
-    }
+    })
 }
 
 /// Gives vertices of different objects at one place the same light, where it nearly is.
@@ -131,37 +161,45 @@ fn close_seams(light: &mut [Vec3], area: &[f32], seams: &[Vec<u32>]) {
 
 /// Fits to each half-set and the smoothing they were made with.
 struct Chosen {
-    smoothing: f32,
+    lambda: f32,
     fits: [Vec<Vec3>; 2],
     error: f64,
 }
 
 /// The smoothing with which each half-set foretells the other best.
-fn choose_smoothing(triangles: &[TriangleSamples], unknowns: usize, kind: usize) -> Chosen {
-    let attempt = |smoothing| {
-        let fits = [0, 1].map(|half| solve(triangles, unknowns, &[half], kind, smoothing));
+fn choose_smoothing(
+    triangles: &[TriangleSamples],
+    unknowns: usize,
+    kind: usize,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Chosen, Cancelled> {
+    let attempt = |lambda| {
+        if !go_on() {
+            return Err(Cancelled);
+        }
+        let fits = [0, 1].map(|half| solve(triangles, unknowns, &[half], kind, lambda));
         let error = squared_error(triangles, &fits[0], 1, kind)
             + squared_error(triangles, &fits[1], 0, kind);
-        Chosen {
-            smoothing,
+        Ok(Chosen {
+            lambda,
             fits,
             error,
-        }
+        })
     };
     // A half-set is twice as noisy as the whole, which wants one step less: keep the one before.
-    let mut chosen = attempt(SMOOTHING[kind]);
-    let mut best = attempt(SMOOTHING[kind] * STEP);
+    let mut chosen = attempt(LEAST[kind])?;
+    let mut best = attempt(LEAST[kind] * STEP)?;
     if best.error >= chosen.error {
-        return chosen;
+        return Ok(chosen);
     }
-    while best.smoothing * STEP <= 1.0 {
-        let next = attempt(best.smoothing * STEP);
+    while best.lambda * STEP <= 1.0 {
+        let next = attempt(best.lambda * STEP)?;
         if next.error >= best.error {
             break;
         }
         chosen = std::mem::replace(&mut best, next);
     }
-    chosen
+    Ok(chosen)
 }
 
 /// Σ w (fit − E)² / E² over the samples of a half-set, less what is the same for every fit.

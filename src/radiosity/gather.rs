@@ -1,244 +1,419 @@
+use std::sync::Arc;
+
 use glam::Vec3;
 
+use super::bounds::{Bounds, Reach, Sphere};
+use super::change::Change;
+use super::direct::{ShadowRays, add, crosses, light_seed, shines};
 use super::element::Elements;
 use super::emitter::{Emitters, Receiver};
+use super::form_factor::{BLACK, GONE, SKY};
+use super::gathered::{Bundle, Gathered, Met, NOT_CAST, SAMPLED, SHEET, Share, TriangleLight};
+use super::identity::object_seeds;
 use super::illumination::illumination;
-use super::light::DirectLight;
-use super::observer::{Observer, Stage};
+use super::light::{DirectLight, Light};
 use super::occlusion::{NO_TRIANGLE, OFFSET, Occluders};
-use super::parallel::{Cancelled, map_ranges};
 use super::receiver_mesh::{ReceiverMesh, ReceiverMeshes};
 use super::sampling::{cosine_hemisphere, frame, hash, sobol, triangle as triangle_point};
 use super::settings::BakeSettings;
 use super::triangle::{area, face_normal};
 use super::validate::ValidScene;
 
-/// Light measured at samples inside one triangle, summed up as the vertex fit needs it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct TriangleSums {
-    /// Σ w b bᵀ over the samples, upper triangle: 00, 01, 02, 11, 12, 22.
-    pub(crate) gram: [f32; 6],
-    /// Σ w b E for light with sharp edges: from lights and sampled emitters.
-    pub(crate) sharp: [Vec3; 3],
-    /// Σ w b E for light that rays gathered: bounced light, sky, wide emitters.
-    pub(crate) smooth: [Vec3; 3],
-}
-
-impl TriangleSums {
-    /// Σ w b E of light with sharp edges (0) or gathered by rays (1).
-    pub(crate) fn light(&self, kind: usize) -> [Vec3; 3] {
-        if kind == 0 { self.sharp } else { self.smooth }
-    }
-
-    /// Σ w.
-    pub(crate) fn weight(&self) -> f32 {
-        let [xx, xy, xz, yy, yz, zz] = self.gram;
-        xx + yy + zz + 2.0 * (xy + xz + yz)
-    }
-
-    fn add(&mut self, weight: f32, b: Vec3, sharp: Vec3, smooth: Vec3) {
-        let products = [
-            b.x * b.x,
-            b.x * b.y,
-            b.x * b.z,
-            b.y * b.y,
-            b.y * b.z,
-            b.z * b.z,
-        ];
-        for (sum, product) in self.gram.iter_mut().zip(products) {
-            *sum += weight * product;
-        }
-        for k in 0..3 {
-            self.sharp[k] += sharp * (weight * b[k]);
-            self.smooth[k] += smooth * (weight * b[k]);
-        }
-    }
-}
-
-/// The samples of one triangle: two half-sets, whose difference tells the sampling error.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct TriangleSamples {
-    pub(crate) halves: [TriangleSums; 2],
-    /// Area in squared internal units, and unknowns of the corners.
-    pub(crate) area: f32,
-    pub(crate) unknowns: [u32; 3],
-    pub(crate) taken: u32,
-    pub(crate) invalid: u32,
-}
-
-/// What the gather stage reads.
+/// What the gather stage traces rays with.
 pub(crate) struct Gather<'a> {
     pub(crate) scene: &'a ValidScene,
-    pub(crate) occluders: &'a Occluders<'a>,
+    pub(crate) occluders: Occluders<'a>,
     pub(crate) elements: &'a Elements,
     pub(crate) emitters: Emitters<'a>,
     /// The reflected light of elements, the brightest of them sampled.
     pub(crate) reflectors: Emitters<'a>,
+    /// Elements whose emission is sampled, and those whose reflected light is.
+    pub(crate) marks: [&'a [bool]; 2],
     /// For each object, whether the back of its surfaces is the side to light.
     pub(crate) lit_from_behind: &'a [bool],
-    /// For each triangle of each object, its live index or [`NO_TRIANGLE`].
-    pub(crate) live: &'a [Vec<u32>],
     pub(crate) settings: &'a BakeSettings,
+    /// Samples per square root of area.
+    pub(crate) density: f32,
+    /// Whether to note how far rays went.
+    pub(crate) remember: bool,
+    pub(crate) aids: Aids,
 }
 
-/// A sample with more than this share of its rays on black back faces lies inside geometry.
-const INSIDE: f32 = 0.25;
+/// What an earlier bake gathered, of which much is still true.
+pub(crate) struct GatherBefore<'a> {
+    pub(crate) gathered: &'a Gathered,
+    pub(crate) change: &'a Change,
+    /// For each object, which one of then has the same samples.
+    pub(crate) object_before: &'a [Option<usize>],
+    pub(crate) new_emitters: bool,
+    pub(crate) new_reflectors: bool,
+}
 
-/// Triangles a thread takes at a time.
-const CHUNK: usize = 32;
+/// What rays and shadow rays a triangle took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct GatherCost {
+    pub(crate) rays: u64,
+    pub(crate) shadow: ShadowRays,
+}
 
 /// Samples of a triangle at most, however large.
 const MAX_SAMPLES: u32 = 256;
 
+/// By object: what many triangles ask for.
+pub(crate) struct Aids {
+    /// For each triangle of each object, its live index or [`NO_TRIANGLE`].
+    live: Vec<Vec<u32>>,
+    seeds: Vec<u32>,
+}
+
+impl Aids {
+    pub(crate) fn new(scene: &ValidScene) -> Self {
+        let none = |o: &super::scene::Object| vec![NO_TRIANGLE; o.triangles.len()];
+        let mut live: Vec<Vec<u32>> = scene.objects.iter().map(none).collect();
+        for (i, key) in scene.triangles.iter().enumerate() {
+            live[key.object as usize][key.triangle as usize] = i as u32;
+        }
+        Self {
+            live,
+            seeds: object_seeds(scene),
+        }
+    }
+}
+
+/// Samples per square root of area, so that the mean over vertices is what the settings ask.
+///
+/// Large triangles see more change of light than small ones, but not in proportion.
+pub(crate) fn density(receivers: &ReceiverMeshes, settings: &BakeSettings) -> f32 {
+    let meshes = receivers.meshes.iter();
+    let roots: f64 = meshes
+        .flat_map(|m| (0..m.triangles.len()).map(|t| f64::from(area(m.corners(t))).sqrt()))
+        .sum();
+    let samples = f64::from(settings.samples_per_vertex) * receivers.vertex_count() as f64;
+    (samples / roots.max(f64::MIN_POSITIVE)) as f32
+}
+
+/// A triangle to sample.
+struct Patch<'a> {
+    mesh: &'a ReceiverMesh,
+    triangle: usize,
+    area: f32,
+    /// Unit normal of the side to light, and which that is: 1 or −1.
+    normal: Vec3,
+    side: f32,
+    live: u32,
+    samples: u32,
+    seed: u32,
+}
+
 impl Gather<'_> {
-    /// Measures irradiance at samples inside every triangle of the receiving meshes.
-    pub(crate) fn run(
-        &self,
-        receivers: &ReceiverMeshes,
-        observer: &dyn Observer,
-    ) -> Result<Vec<TriangleSamples>, Cancelled> {
-        let list: Vec<(u32, u32)> = receivers
-            .meshes
-            .iter()
-            .enumerate()
-            .flat_map(|(o, m)| (0..m.triangles.len() as u32).map(move |t| (o as u32, t)))
-            .collect();
-        let density = self.density(receivers);
-        let chunks = map_ranges(list.len(), CHUNK, Stage::Gather, observer, |range| {
-            list[range]
-                .iter()
-                .map(|&(o, t)| self.triangle(&receivers.meshes[o as usize], o, t, density))
-                .collect::<Vec<_>>()
-        })?;
-        Ok(chunks.concat())
-    }
-
-    /// Samples per square root of area, so that the mean over vertices is what the settings ask.
-    ///
-    /// Large triangles see more change of light than small ones, but not in proportion.
-    fn density(&self, receivers: &ReceiverMeshes) -> f32 {
-        let roots: f64 = receivers
-            .meshes
-            .iter()
-            .flat_map(|m| (0..m.triangles.len()).map(|t| f64::from(area(m.corners(t))).sqrt()))
-            .sum();
-        let samples = f64::from(self.settings.samples_per_vertex) * receivers.vertex_count() as f64;
-        (samples / roots.max(f64::MIN_POSITIVE)) as f32
-    }
-
-    fn triangle(
+    /// Traces what tells a triangle's light, where `before` does not.
+    pub(crate) fn triangle(
         &self,
         mesh: &ReceiverMesh,
-        object: u32,
-        triangle: u32,
-        density: f32,
-    ) -> TriangleSamples {
-        let corners = mesh.corners(triangle as usize);
-        let area = area(corners);
-        let source = mesh
-            .refined
-            .as_ref()
-            .map_or(triangle, |r| r.sources[triangle as usize]);
-        let mut samples = TriangleSamples {
-            area,
-            unknowns: mesh.triangles[triangle as usize].map(|v| mesh.unknown[v as usize]),
-            ..TriangleSamples::default()
+        object: usize,
+        triangle: usize,
+        before: Option<&GatherBefore>,
+        cost: &mut GatherCost,
+    ) -> TriangleLight {
+        let Some(patch) = self.patch(mesh, object, triangle) else {
+            return TriangleLight::default();
         };
-        let live = self.live[object as usize][source as usize];
-        let side = if self.lit_from_behind[object as usize] {
+        let known = before.and_then(|b| Some((b, b.triangle(object, triangle)?)));
+        let bundle = self.bundle(&patch, known, &mut cost.rays);
+        // Samples left out send no shadow rays either.
+        let known = known.filter(|(_, t)| t.bundle.same_samples(&bundle));
+        let sphere = Bounds::of(mesh.corners(triangle)).sphere();
+        let shadow = &mut cost.shadow;
+        TriangleLight {
+            lights: self.lights(&patch, &bundle, known, sphere, &mut shadow.lights),
+            emitters: match known {
+                Some((b, t)) if b.emitters_stay(self, sphere) => b.translate(&t.emitters),
+                _ => self.sampled(&self.emitters, 0, &patch, &bundle, &mut shadow.emitters),
+            },
+            reflectors: match known {
+                Some((b, t)) if b.reflectors_stay(self, sphere) => b.translate(&t.reflectors),
+                _ => self.sampled(&self.reflectors, 2, &patch, &bundle, &mut shadow.emitters),
+            },
+            bundle,
+        }
+    }
+
+    fn patch<'m>(
+        &self,
+        mesh: &'m ReceiverMesh,
+        object: usize,
+        triangle: usize,
+    ) -> Option<Patch<'m>> {
+        let corners = mesh.corners(triangle);
+        let source = (mesh.refined.as_ref()).map_or(triangle, |r| r.sources[triangle] as usize);
+        let live = self.aids.live[object][source];
+        let side = if self.lit_from_behind[object] {
             -1.0
         } else {
             1.0
         };
         let normal = face_normal(corners) * side;
         if live == NO_TRIANGLE || normal == Vec3::ZERO {
-            return samples;
-        }
-        // An even number: the half-sets are of one size.
-        let count = (2 * (0.5 * density * area.sqrt()).round() as u32).clamp(2, MAX_SAMPLES);
-        let seed = hash(triangle, hash(object, self.settings.seed ^ 0x6A7E));
-        for i in 0..count {
-            let [u, v, ..] = sobol(i, 0, seed);
-            let b = triangle_point(u, v);
-            let place = Place::new(mesh, triangle as usize, b, normal, side);
-            samples.taken += 1;
-            match self.sample(&place, live, i, seed) {
-                Some((sharp, smooth)) => {
-                    samples.halves[(i % 2) as usize].add(area / count as f32, b, sharp, smooth);
-                }
-                None => samples.invalid += 1,
-            }
-        }
-        samples
-    }
-
-    /// Light at a place: with sharp edges and gathered by rays. `None` inside geometry.
-    ///
-    /// The samples of a triangle share one sequence of directions, each taking a block of its own:
-    /// so they are spread evenly together, and the triangle's light is far better known than that
-    /// of one sample.
-    fn sample(&self, place: &Place, live: u32, index: u32, seed: u32) -> Option<(Vec3, Vec3)> {
-        let receiver = Receiver {
-            position: place.position,
-            normal: place.shading,
-            triangle: live,
-        };
-        let smooth = self.gather_rays(place, &receiver, index, seed)?;
-        let sampled = |from: &Emitters, seed| {
-            let block = index * from.samples..(index + 1) * from.samples;
-            from.sample(self.elements, self.occluders, &receiver, seed, block)
-        };
-        let mut sharp = sampled(&self.emitters, seed) + sampled(&self.reflectors, hash(seed, 2));
-        for (l, light) in self.scene.lights.iter().enumerate() {
-            if light.direct == DirectLight::Baked {
-                let at = (hash(seed, 3 + l as u32), index);
-                sharp += light.power * illumination(light, self.occluders, &receiver, at, &mut 0);
-            }
-        }
-        Some((sharp, smooth))
-    }
-
-    fn gather_rays(
-        &self,
-        place: &Place,
-        receiver: &Receiver,
-        index: u32,
-        seed: u32,
-    ) -> Option<Vec3> {
-        let rays = self.settings.gather_rays;
-        let (mut sum, mut cast, mut inside) = (Vec3::ZERO, 0, 0);
-        let around = frame(place.shading);
-        for i in index * rays..(index + 1) * rays {
-            let [u, v, ..] = sobol(i, 2, seed);
-            let direction = around * cosine_hemisphere(u, v);
-            // A smooth normal may point rays below the surface: those see nothing real, the
-            // others stand in for them.
-            if direction.dot(place.geometric) <= 0.0 {
-                continue;
-            }
-            cast += 1;
-            let ray_seed = hash(seed, i);
-            let Some(hit) =
-                self.occluders
-                    .closest(place.position, direction, receiver.triangle, ray_seed)
-            else {
-                sum += self.scene.sky;
-                continue;
-            };
-            let black = self.elements.at(&hit).is_none();
-            // A leaf or a veil is a sheet, not the inside of anything.
-            inside += u32::from(black && !self.occluders.transmits(hit.triangle));
-            sum += self
-                .reflectors
-                .found_by_ray(self.elements, receiver, direction, &hit);
-            sum += self
-                .emitters
-                .found_by_ray(self.elements, receiver, direction, &hit);
-        }
-        if cast == 0 || inside as f32 > INSIDE * cast as f32 {
             return None;
         }
-        Some(sum / cast as f32)
+        let area = area(corners);
+        // An even number: the half-sets are of one size.
+        let pairs = (0.5 * self.density * area.sqrt()).round() as u32;
+        let salt = hash(self.aids.seeds[object], self.settings.seed ^ 0x6A7E);
+        Some(Patch {
+            mesh,
+            triangle,
+            area,
+            normal,
+            side,
+            live,
+            samples: (2 * pairs).clamp(2, MAX_SAMPLES),
+            seed: hash(triangle as u32, salt),
+        })
+    }
+
+    /// Rays from all samples of a triangle, those that may have changed traced again.
+    fn bundle(
+        &self,
+        patch: &Patch,
+        known: Option<(&GatherBefore, &TriangleLight)>,
+        traced: &mut u64,
+    ) -> Arc<Bundle> {
+        let known = known.filter(|(_, t)| t.bundle.samples.len() == patch.samples as usize);
+        if let Some((_, t)) = known.filter(|(b, _)| b.rays_stay()) {
+            return t.bundle.clone();
+        }
+        let mut bundle = Bundle::default();
+        for i in 0..patch.samples {
+            let (b, place) = patch.place(i);
+            match known {
+                None => {
+                    let rays = self.settings.gather_rays;
+                    for k in 0..rays {
+                        self.ray(patch, &place, i * rays + k, &mut bundle, traced);
+                    }
+                }
+                Some((before, t)) => {
+                    self.rays_again(patch, &place, i, (before, &t.bundle), &mut bundle, traced);
+                }
+            }
+            bundle.close(b, self.settings.gather_rays as usize);
+        }
+        bundle.met.shrink_to_fit();
+        Arc::new(bundle)
+    }
+
+    /// The rays of one sample, again where they may have changed.
+    fn rays_again(
+        &self,
+        patch: &Patch,
+        place: &Place,
+        sample: u32,
+        (before, old): (&GatherBefore, &Bundle),
+        bundle: &mut Bundle,
+        traced: &mut u64,
+    ) {
+        let change = before.change;
+        let disturbed = change.disturbed.from(Sphere {
+            center: place.position,
+            radius: 0.0,
+        });
+        let other = before.new_emitters || before.new_reflectors;
+        let rays = self.settings.gather_rays;
+        let first = sample * rays;
+        let start = old.met.partition_point(|m| m.ray < first);
+        let mut met = old.met[start..].iter().peekable();
+        for ray in first..first + rays {
+            let (id, reach) = (old.ids[ray as usize], old.reaches[ray as usize]);
+            let known = met.next_if(|m| m.ray == ray);
+            if id == NOT_CAST {
+                bundle.push(id, Some(reach));
+                continue;
+            }
+            let now = known.map_or_else(|| change.translate(id), |m| change.translate(m.element));
+            let marked = || {
+                self.marks
+                    .iter()
+                    .any(|m| m.get(now as usize) == Some(&true))
+            };
+            let stale = now == GONE || (other && (known.is_some() || marked()));
+            if stale || disturbed.ray(reach) {
+                self.ray(patch, place, ray, bundle, traced);
+                continue;
+            }
+            bundle.push(if known.is_some() { SAMPLED } else { now }, Some(reach));
+            bundle.met.extend(known.map(|m| Met { element: now, ..*m }));
+        }
+    }
+
+    /// Traces a ray. The samples of a triangle share one sequence of directions, each taking a
+    /// block of its own: so they are spread evenly together, and the triangle's light is far better
+    /// known than that of one sample.
+    fn ray(&self, patch: &Patch, place: &Place, ray: u32, bundle: &mut Bundle, traced: &mut u64) {
+        let [u, v, ..] = sobol(ray, 2, patch.seed);
+        let direction = frame(place.shading) * cosine_hemisphere(u, v);
+        let reach = |distance| self.remember.then(|| Reach::new(direction, distance));
+        // A smooth normal may point rays below the surface: those see nothing real, the others
+        // stand in for them.
+        if direction.dot(place.geometric) <= 0.0 {
+            return bundle.push(NOT_CAST, reach(0.0));
+        }
+        *traced += 1;
+        let seed = hash(patch.seed, ray);
+        let hit = (self.occluders).closest(place.position, direction, patch.live, seed);
+        let Some(hit) = hit else {
+            return bundle.push(SKY, reach(f32::INFINITY));
+        };
+        let reach = reach(hit.distance);
+        let Some(element) = self.elements.at(&hit) else {
+            // A leaf or a veil is a sheet, not the inside of anything.
+            let sheet = self.occluders.transmits(hit.triangle);
+            return bundle.push(if sheet { SHEET } else { BLACK }, reach);
+        };
+        if !self.marks.iter().any(|m| m[element.0 as usize]) {
+            return bundle.push(element.0, reach);
+        }
+        let receiver = patch.receiver(place);
+        let weight = |mark: usize, from: &Emitters| {
+            if self.marks[mark][element.0 as usize] {
+                from.ray_weight(element, &receiver, direction, &hit)
+            } else {
+                1.0
+            }
+        };
+        bundle.push(SAMPLED, reach);
+        bundle.met.push(Met {
+            ray,
+            element: element.0,
+            emitted: weight(0, &self.emitters),
+            reflected: weight(1, &self.reflectors),
+        });
+    }
+
+    /// What each light brings to a triangle. Dark lights, and those of the engine, wait until they
+    /// are wanted.
+    fn lights(
+        &self,
+        patch: &Patch,
+        bundle: &Bundle,
+        known: Option<(&GatherBefore, &TriangleLight)>,
+        sphere: Sphere,
+        rays: &mut u64,
+    ) -> Vec<Option<Share>> {
+        let light = |(l, light): (usize, &Light)| {
+            let share = known.and_then(|(b, t)| {
+                let still = !crosses(&b.change.disturbed, light, sphere);
+                t.lights[b.change.light_before[l]?].filter(|_| still)
+            });
+            let wanted = shines(light) && light.direct == DirectLight::Baked;
+            share.or_else(|| wanted.then(|| self.light(l, patch, bundle, rays)))
+        };
+        self.scene.lights.iter().enumerate().map(light).collect()
+    }
+
+    fn light(&self, l: usize, patch: &Patch, bundle: &Bundle, rays: &mut u64) -> Share {
+        let seed = hash(patch.seed, light_seed(self.scene, l));
+        let mut sum = Share::default();
+        for i in bundle.valid() {
+            let (b, place) = patch.place(i);
+            let receiver = patch.receiver(&place);
+            let light = &self.scene.lights[l];
+            let brings = illumination(light, &self.occluders, &receiver, (seed, i), rays);
+            sum += patch.share(i, b * brings);
+        }
+        sum
+    }
+
+    /// What sampled elements bring to a triangle; `salt` keeps the two kinds of samples apart.
+    fn sampled(
+        &self,
+        from: &Emitters,
+        salt: u32,
+        patch: &Patch,
+        bundle: &Bundle,
+        rays: &mut u64,
+    ) -> Arc<[(u32, Share)]> {
+        let mut sums = Vec::new();
+        let seed = if salt == 0 {
+            patch.seed
+        } else {
+            hash(patch.seed, salt)
+        };
+        if !from.tree.leaves.is_empty() {
+            for i in bundle.valid() {
+                let (b, place) = patch.place(i);
+                let block = i * from.samples..(i + 1) * from.samples;
+                let receiver = patch.receiver(&place);
+                *rays += from.sample(
+                    self.elements,
+                    &self.occluders,
+                    &receiver,
+                    seed,
+                    block,
+                    |element, light| add(&mut sums, element, patch.share(i, b * light)),
+                );
+            }
+        }
+        sums.into()
+    }
+}
+
+impl<'a> GatherBefore<'a> {
+    fn triangle(&self, object: usize, triangle: usize) -> Option<&'a TriangleLight> {
+        let before = self.object_before[object]?;
+        Some(&self.gathered.of_object(before)[triangle])
+    }
+
+    fn rays_stay(&self) -> bool {
+        self.change.disturbed.is_empty()
+            && self.change.same_elements
+            && !self.new_emitters
+            && !self.new_reflectors
+    }
+
+    fn emitters_stay(&self, gather: &Gather, sphere: Sphere) -> bool {
+        let tree = gather.emitters.tree;
+        !self.new_emitters && !tree.disturbed(&self.change.disturbed, sphere)
+    }
+
+    fn reflectors_stay(&self, gather: &Gather, sphere: Sphere) -> bool {
+        let tree = gather.reflectors.tree;
+        !self.new_reflectors && !tree.disturbed(&self.change.disturbed, sphere)
+    }
+
+    fn translate(&self, shares: &Arc<[(u32, Share)]>) -> Arc<[(u32, Share)]> {
+        if self.change.same_elements {
+            return shares.clone();
+        }
+        let shares = shares.iter();
+        shares
+            .map(|&(e, share)| (self.change.translate(e), share))
+            .collect()
+    }
+}
+
+impl Patch<'_> {
+    /// Sample `i`: weights of the corners, and the place.
+    fn place(&self, i: u32) -> (Vec3, Place) {
+        let [u, v, ..] = sobol(i, 0, self.seed);
+        let b = triangle_point(u, v);
+        (
+            b,
+            Place::new(self.mesh, self.triangle, b, self.normal, self.side),
+        )
+    }
+
+    fn receiver(&self, place: &Place) -> Receiver {
+        Receiver {
+            position: place.position,
+            normal: place.shading,
+            triangle: self.live,
+        }
+    }
+
+    /// Light at sample `i`, times the weights of the corners there, as part of the whole.
+    fn share(&self, i: u32, light: Vec3) -> Share {
+        Share::of_half(i % 2, light * (self.area / self.samples as f32))
     }
 }
 
@@ -250,7 +425,6 @@ struct Place {
     /// Interpolated normal that the surface is shaded with.
     shading: Vec3,
 }
-
 impl Place {
     fn new(mesh: &ReceiverMesh, triangle: usize, b: Vec3, geometric: Vec3, side: f32) -> Self {
         let vertices = mesh.triangles[triangle].map(|v| v as usize);

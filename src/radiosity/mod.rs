@@ -38,7 +38,11 @@
 mod bake;
 mod baked;
 mod baker;
+#[cfg(test)]
+mod baker_test;
+mod bounds;
 mod bvh;
+mod change;
 mod color;
 mod direct;
 mod element;
@@ -49,6 +53,7 @@ mod findings;
 mod fit;
 mod form_factor;
 mod gather;
+mod gathered;
 mod grouping;
 mod identity;
 mod illumination;
@@ -57,6 +62,7 @@ mod mend;
 mod observer;
 mod occlusion;
 mod parallel;
+mod pipeline;
 mod preview;
 mod receiver_mesh;
 mod report;

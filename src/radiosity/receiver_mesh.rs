@@ -42,11 +42,20 @@ impl ReceiverMeshes {
     /// and finds which vertices share their light: those of one place and one normal in an object,
     /// across texture seams but not across hard edges. Where objects meet, a wall may stand
     /// between them, so there each has its own and a seam joins them if the light agrees.
-    pub(crate) fn new(scene: &ValidScene, max_edge: Option<f32>) -> Result<Self, SplitError> {
+    ///
+    /// `before` has the meshes that are still the same, and those whose refinement may be.
+    pub(crate) fn new(
+        scene: &ValidScene,
+        max_edge: Option<f32>,
+        before: Option<&MeshesBefore>,
+    ) -> Result<Self, SplitError> {
         let mut meshes = Vec::with_capacity(scene.objects.len());
         let mut budget = MAX_VERTICES;
         for object in 0..scene.objects.len() {
-            let mesh = ReceiverMesh::new(scene, object, max_edge, budget)?;
+            let mesh = match before.and_then(|b| b.mesh(object)) {
+                Some(mesh) => mesh.clone(),
+                None => ReceiverMesh::new(scene, object, max_edge, budget)?,
+            };
             budget = budget.saturating_sub(mesh.positions.len());
             meshes.push(mesh);
         }
@@ -58,8 +67,43 @@ impl ReceiverMeshes {
         })
     }
 
+    pub(crate) fn bytes(&self) -> u64 {
+        let mesh = |m: &ReceiverMesh| {
+            let refined = m.refined.as_ref();
+            28 * m.positions.len()
+                + 12 * m.triangles.len()
+                + refined.map_or(0, |r| 16 * r.vertices.len() + 16 * r.triangles.len())
+        };
+        self.meshes.iter().map(|m| mesh(m) as u64).sum()
+    }
+
     pub(crate) fn vertex_count(&self) -> usize {
         self.meshes.iter().map(|m| m.positions.len()).sum()
+    }
+}
+
+/// The meshes of an earlier bake.
+pub(crate) struct MeshesBefore<'a> {
+    pub(crate) meshes: &'a ReceiverMeshes,
+    /// For each object, which it was, if its mesh is the same.
+    pub(crate) same: &'a [Option<usize>],
+    /// For each object, which it was.
+    pub(crate) object: &'a [Option<usize>],
+}
+
+impl MeshesBefore<'_> {
+    fn mesh(&self, object: usize) -> Option<&ReceiverMesh> {
+        self.same[object].map(|p| &self.meshes.meshes[p])
+    }
+
+    /// Where a mesh was refined as it was before, makes the refinement the same one.
+    pub(crate) fn share_refinements(&self, meshes: &mut ReceiverMeshes) {
+        for (mesh, before) in meshes.meshes.iter_mut().zip(self.object) {
+            let old = before.and_then(|p| self.meshes.meshes[p].refined.as_ref());
+            if let Some(old) = old.filter(|old| mesh.refined.as_ref() == Some(old)) {
+                mesh.refined = Some(old.clone());
+            }
+        }
     }
 }
 

@@ -50,6 +50,13 @@ pub struct Work {
     pub cross_validations: u64,
 }
 
+impl Work {
+    /// Rays of all kinds.
+    pub(crate) fn traced(&self) -> u64 {
+        self.element_rays + self.gather_rays + self.light_rays + self.emitter_rays
+    }
+}
+
 /// How much of everything a bake had.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {

@@ -38,7 +38,7 @@ pub struct MaterialId(pub u32);
 pub struct TextureId(pub u32);
 
 /// A triangle mesh in world space with one material.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Object {
     /// Used in errors and reports.
     pub name: String,
@@ -87,7 +87,7 @@ impl Default for Object {
 }
 
 /// How a surface reflects, emits and lets light through.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Used in errors and reports.
     pub name: String,
@@ -143,7 +143,7 @@ pub enum AlphaMode {
 }
 
 /// A texture as a material uses it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureRef {
     /// Which image.
     pub texture: TextureId,
@@ -166,7 +166,7 @@ pub enum Wrap {
 }
 
 /// An 8-bit RGBA image.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Texture {
     /// Used in errors and reports.
     pub name: String,

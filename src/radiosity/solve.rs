@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3, Vec3A};
 use super::color::divide;
 use super::element::Elements;
 use super::form_factor::HitList;
-use super::parallel::map_chunks;
+use super::parallel::{Cancelled, map_chunks};
 use super::report::SolverReport;
 
 /// A solution of the radiosity system.
@@ -31,15 +31,17 @@ pub(crate) struct Solution {
 ///   └─────────────────────────────────────┘
 /// ```
 ///
-/// which removes the slowest mode, light that is everywhere too low by the same factor.
+/// which removes the slowest mode, light that is everywhere too low by the same factor. A `start`
+/// that is near the solution saves sweeps.
 pub(crate) fn gauss_seidel(
     elements: &Elements,
     rows: &HitList,
     direct: &[Vec3],
     tolerance: f32,
     max_sweeps: u32,
+    start: Option<Vec<Vec3A>>,
     mut go_on: impl FnMut() -> bool,
-) -> Solution {
+) -> Result<Solution, Cancelled> {
     let system = System {
         elements,
         rows,
@@ -47,11 +49,9 @@ pub(crate) fn gauss_seidel(
     };
     let contraction = system.contraction();
     let mean_field = system.mean_field_gain();
-    let mut reflected: Vec<Vec3A> = (0..direct.len())
-        .map(|e| (direct[e] * elements.reflectance[e]).into())
-        .collect();
+    let bounced_once = || (0..direct.len()).map(|e| (direct[e] * elements.reflectance[e]).into());
+    let mut reflected = start.unwrap_or_else(|| bounced_once().collect());
     let mut report = SolverReport::default();
-    let mut going = true;
     loop {
         // The state as it is: what the bound and the correction are made of.
         let state = system.state(&reflected);
@@ -59,12 +59,12 @@ pub(crate) fn gauss_seidel(
         report.residual = state.largest_residual;
         report.error_bound = report.residual / (1.0 - contraction);
         report.converged = report.error_bound <= goal;
-        if report.converged || report.sweeps >= max_sweeps || !going {
-            return Solution {
+        if report.converged || report.sweeps >= max_sweeps {
+            return Ok(Solution {
                 arriving: state.arriving,
                 reflected,
                 report,
-            };
+            });
         }
         let correction = divide(state.residual_sum, mean_field);
         for (r, rho) in reflected.iter_mut().zip(&elements.reflectance) {
@@ -73,8 +73,7 @@ pub(crate) fn gauss_seidel(
         for e in 0..reflected.len() {
             reflected[e] = system.reflect(e, &reflected).as_vec3a();
             if e % BETWEEN_QUESTIONS == 0 && !go_on() {
-                going = false;
-                break;
+                return Err(Cancelled);
             }
         }
         report.sweeps += 1;
@@ -280,8 +279,10 @@ mod tests {
                     &enclosure.direct,
                     1e-4,
                     sweeps,
+                    None,
                     || true,
-                );
+                )
+                .unwrap();
                 let error = enclosure.largest_error(&solution);
                 // Radiances are stored as f32: half a unit in the last place is not the solver's.
                 let storage = 1e-6 * enclosure.exact(2).into_iter().fold(1.0, f64::max);
@@ -322,8 +323,10 @@ mod tests {
             &direct,
             1e-3,
             100,
+            None,
             || true,
-        );
+        )
+        .unwrap();
         assert!(
             solution.report.converged && solution.report.sweeps <= 20,
             "{:?}",
@@ -340,8 +343,10 @@ mod tests {
             &enclosure.direct,
             1e-9,
             2,
+            None,
             || true,
-        );
+        )
+        .unwrap();
         assert!(!solution.report.converged);
         assert_eq!(solution.report.sweeps, 2);
     }

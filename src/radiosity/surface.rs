@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 
 use super::scene::{AlphaMode, Material, TextureRef};
@@ -15,32 +17,75 @@ pub(crate) struct Diffuse {
     pub(crate) coverage: f32,
 }
 
-/// What surfaces look like at any point: materials, textures and vertex colours put together.
-pub(crate) struct Surfaces<'a> {
-    scene: &'a ValidScene,
-    /// Pyramids by texture, as colours and as plain numbers; made only where a material asks.
-    color: Vec<Option<Pyramid>>,
-    data: Vec<Option<Pyramid>>,
+/// Pyramids by texture, as colours and as plain numbers; made only where a material asks.
+pub(crate) struct Pyramids {
+    color: Vec<Option<Arc<Pyramid>>>,
+    data: Vec<Option<Arc<Pyramid>>>,
 }
 
-impl<'a> Surfaces<'a> {
-    pub(crate) fn new(scene: &'a ValidScene) -> Self {
-        let mut color: Vec<Option<Pyramid>> = scene.textures.iter().map(|_| None).collect();
-        let mut data: Vec<Option<Pyramid>> = scene.textures.iter().map(|_| None).collect();
+impl Pyramids {
+    /// Makes what a scene needs, or takes it over from `before`, those of another scene.
+    pub(crate) fn new(scene: &ValidScene, before: Option<(&ValidScene, &Self)>) -> Self {
+        let mut pyramids = Self {
+            color: vec![None; scene.textures.len()],
+            data: vec![None; scene.textures.len()],
+        };
         for material in &scene.materials {
             for slot in [&material.base_color_texture, &material.emissive_texture]
                 .into_iter()
                 .flatten()
             {
-                let i = slot.texture.0 as usize;
-                color[i].get_or_insert_with(|| Pyramid::new(&scene.textures[i], Encoding::Srgb));
+                pyramids.make(scene, before, slot.texture.0 as usize, Encoding::Srgb);
             }
             if let Some(slot) = &material.metallic_texture {
-                let i = slot.texture.0 as usize;
-                data[i].get_or_insert_with(|| Pyramid::new(&scene.textures[i], Encoding::Linear));
+                pyramids.make(scene, before, slot.texture.0 as usize, Encoding::Linear);
             }
         }
-        Self { scene, color, data }
+        pyramids
+    }
+
+    fn make(
+        &mut self,
+        scene: &ValidScene,
+        before: Option<(&ValidScene, &Self)>,
+        i: usize,
+        encoding: Encoding,
+    ) {
+        fn list(of: &Pyramids, encoding: Encoding) -> &[Option<Arc<Pyramid>>] {
+            match encoding {
+                Encoding::Srgb => &of.color,
+                Encoding::Linear => &of.data,
+            }
+        }
+        let known = before.and_then(|(old, pyramids)| {
+            let same = old.textures.get(i) == Some(&scene.textures[i]);
+            list(pyramids, encoding).get(i).filter(|_| same)?.clone()
+        });
+        let made = match encoding {
+            Encoding::Srgb => &mut self.color[i],
+            Encoding::Linear => &mut self.data[i],
+        };
+        made.get_or_insert_with(|| {
+            known.unwrap_or_else(|| Arc::new(Pyramid::new(&scene.textures[i], encoding)))
+        });
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        let all = self.color.iter().chain(&self.data).flatten();
+        all.map(|p| p.bytes()).sum()
+    }
+}
+
+/// What surfaces look like at any point: materials, textures and vertex colours put together.
+#[derive(Clone, Copy)]
+pub(crate) struct Surfaces<'a> {
+    scene: &'a ValidScene,
+    pyramids: &'a Pyramids,
+}
+
+impl<'a> Surfaces<'a> {
+    pub(crate) fn new(scene: &'a ValidScene, pyramids: &'a Pyramids) -> Self {
+        Self { scene, pyramids }
     }
 
     /// Whether light can pass a live triangle.
@@ -126,15 +171,16 @@ impl<'a> Surfaces<'a> {
                 ..Diffuse::default()
             };
         }
-        let read = |slot: &Option<TextureRef>, pyramids: &[Option<Pyramid>]| {
+        let read = |slot: &Option<TextureRef>, pyramids: &[Option<Arc<Pyramid>>]| {
             slot.as_ref().map_or(Vec4::ONE, |s| {
                 self.read(triangle, s, pyramids, barycentrics, area)
             })
         };
-        let metallic = material.metallic * read(&material.metallic_texture, &self.data).z;
+        let metallic = material.metallic * read(&material.metallic_texture, &self.pyramids.data).z;
         Diffuse {
             reflectance: base.xyz() * (1.0 - metallic),
-            emission: material.emissive * read(&material.emissive_texture, &self.color).xyz(),
+            emission: material.emissive
+                * read(&material.emissive_texture, &self.pyramids.color).xyz(),
             coverage,
         }
     }
@@ -155,7 +201,7 @@ impl<'a> Surfaces<'a> {
             color *= a * barycentrics.x + b * barycentrics.y + c * barycentrics.z;
         }
         if let Some(slot) = &material.base_color_texture {
-            color *= self.read(triangle, slot, &self.color, barycentrics, area);
+            color *= self.read(triangle, slot, &self.pyramids.color, barycentrics, area);
         }
         color.clamp(Vec4::ZERO, Vec4::ONE)
     }
@@ -165,7 +211,7 @@ impl<'a> Surfaces<'a> {
         &self,
         triangle: u32,
         slot: &TextureRef,
-        pyramids: &[Option<Pyramid>],
+        pyramids: &[Option<Arc<Pyramid>>],
         barycentrics: Vec3,
         area: f32,
     ) -> Vec4 {

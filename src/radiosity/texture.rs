@@ -46,6 +46,10 @@ impl Pyramid {
         }
     }
 
+    pub(crate) fn bytes(&self) -> u64 {
+        self.levels.iter().map(|l| 16 * l.texels.len() as u64).sum()
+    }
+
     /// The mean around `uv` over about `uv_area` (1 is the whole image).
     pub(crate) fn sample(&self, uv: Vec2, uv_area: f32) -> Vec4 {
         // The last level is one texel for the whole image; each level before has half the width.

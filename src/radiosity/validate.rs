@@ -90,9 +90,10 @@ pub enum SceneError {
 /// A [`Scene`] that can be baked: indices in range, numbers finite, something to light and
 /// something that lights it. Made by [`Scene::validate`] alone.
 ///
-/// Inside, positions are centred and scaled by a power of two to ±`HALF_EXTENT`, so that one epsilon fits
+/// Inside, positions are centred and scaled by a power of two to ±`HALF_EXTENT` (twice that in a
+/// frame kept from an earlier bake), so that one epsilon fits
 /// every scene and scenes far from the origin keep their precision.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ValidScene {
     pub(crate) objects: Vec<Object>,
     pub(crate) materials: Vec<Material>,
@@ -135,6 +136,21 @@ impl ValidScene {
         self.triangles.iter().filter(|&&t| self.casts(t)).count()
     }
 
+    /// Whether objects, materials and textures are those of another scene.
+    pub(crate) fn same_surfaces(&self, other: &Self) -> bool {
+        self.triangles == other.triangles
+            && self.objects == other.objects
+            && self.materials == other.materials
+            && self.textures == other.textures
+    }
+
+    pub(crate) fn frame(&self) -> Frame {
+        Frame {
+            center: self.center,
+            scale: self.scale,
+        }
+    }
+
     /// Corners of a live triangle in internal units.
     pub(crate) fn corners(&self, key: TriangleKey) -> [Vec3; 3] {
         let object = &self.objects[key.object as usize];
@@ -162,21 +178,22 @@ impl Scene {
     ///
     /// [`SceneError`] names the object, the triangle and the cause.
     pub fn validate(self) -> Result<ValidScene, SceneError> {
-        let scene = self.validate_dark()?;
+        let scene = self.validate_in(None)?;
         if !shines(&scene) {
             return Err(SceneError::NoLight);
         }
         Ok(scene)
     }
 
-    /// The same for a scene in which nothing need shine.
-    pub(crate) fn validate_dark(self) -> Result<ValidScene, SceneError> {
+    /// The same for a scene in which nothing need shine, and in a frame that is kept as long as the
+    /// scene fits.
+    pub(crate) fn validate_in(self, kept: Option<Frame>) -> Result<ValidScene, SceneError> {
         check_references(&self)?;
         check_numbers(&self)?;
         let mut notes = Vec::new();
-        let (center, scale) = frame(&self)?;
+        let Frame { center, scale } = frame(&self, kept)?;
         let mut scene = ValidScene {
-            center: self.origin + center,
+            center,
             scale,
             objects: self.objects,
             materials: self.materials,
@@ -186,7 +203,7 @@ impl Scene {
             triangles: Vec::new(),
             notes: Vec::new(),
         };
-        normalise_frame(&mut scene, center);
+        normalise_frame(&mut scene, center - self.origin);
         mend_materials(&mut scene, &mut notes);
         mend_lights(&mut scene, &mut notes);
         mend_normals(&mut scene, &mut notes);
@@ -358,8 +375,26 @@ pub(super) fn usable(v: Vec3) -> bool {
     v.is_finite() && v.as_dvec3().length() > 1e-30
 }
 
-/// Centre of the used vertices, relative to the scene's origin, and metres per internal unit.
-fn frame(scene: &Scene) -> Result<(DVec3, f32), SceneError> {
+/// Where internal coordinates lie in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Frame {
+    /// World position of the internal origin, in metres.
+    pub(crate) center: DVec3,
+    /// Metres per internal unit, a power of two.
+    pub(crate) scale: f32,
+}
+
+impl Frame {
+    /// Whether a scene of these bounds neither leaves twice the room there is nor is lost in it.
+    fn fits(&self, low: DVec3, high: DVec3) -> bool {
+        let unit = f64::from(self.scale * HALF_EXTENT);
+        let reach = (low - self.center).abs().max((high - self.center).abs());
+        reach.max_element() <= 2.0 * unit && (high - low).max_element() >= 0.25 * unit
+    }
+}
+
+/// A frame around the used vertices; the one that is kept, if they fit.
+fn frame(scene: &Scene, kept: Option<Frame>) -> Result<Frame, SceneError> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for object in &scene.objects {
         for &v in object.triangles.iter().flatten() {
@@ -378,9 +413,15 @@ fn frame(scene: &Scene) -> Result<(DVec3, f32), SceneError> {
     if !(1e-9..=1e12).contains(&extent) {
         return Err(SceneError::Extent { extent });
     }
+    if let Some(kept) = kept.filter(|k| k.fits(scene.origin + low, scene.origin + high)) {
+        return Ok(kept);
+    }
     // A power of two: scaling by it loses no bits.
     let scale = (0.5 * extent).log2().ceil().exp2() / f64::from(HALF_EXTENT);
-    Ok(((low + high) * 0.5, scale as f32))
+    Ok(Frame {
+        center: scene.origin + (low + high) * 0.5,
+        scale: scale as f32,
+    })
 }
 
 fn normalise_frame(scene: &mut ValidScene, center: DVec3) {
@@ -421,7 +462,8 @@ fn normalise_frame(scene: &mut ValidScene, center: DVec3) {
     }
 }
 
-fn shines(scene: &ValidScene) -> bool {
+/// Whether there is any light at all.
+pub(super) fn shines(scene: &ValidScene) -> bool {
     scene.sky.max_element() > 0.0
         || scene.lights.iter().any(|l| l.power.max_element() > 0.0)
         || scene.triangles.iter().any(|&t| {

@@ -1,6 +1,8 @@
 use glam::{DVec3, Vec3, Vec3A};
 
-use crate::radiosity::element::{ElementId, Elements, element_seed};
+use crate::radiosity::bounds::Reach;
+use crate::radiosity::change::Change;
+use crate::radiosity::element::{ElementId, Elements};
 use crate::radiosity::emitter::{Emitters, Receiver};
 use crate::radiosity::observer::{Observer, Stage};
 use crate::radiosity::occlusion::{OFFSET, Occluders};
@@ -8,8 +10,14 @@ use crate::radiosity::parallel::{Cancelled, map_ranges};
 use crate::radiosity::sampling::{cosine_hemisphere, frame, hash, sobol};
 use crate::radiosity::validate::ValidScene;
 
-/// A ray that met the sky or a black back face.
-const NO_ELEMENT: u32 = u32::MAX;
+/// In place of an element: the ray met the sky.
+pub(crate) const SKY: u32 = u32::MAX;
+
+/// In place of an element: the ray met the black back of a surface.
+pub(crate) const BLACK: u32 = u32::MAX - 1;
+
+/// In place of an element that is no more.
+pub(crate) const GONE: u32 = u32::MAX - 2;
 
 /// The form-factor matrix as a list of ray hits.
 ///
@@ -67,7 +75,7 @@ impl HitList {
     }
 
     fn new(rays: usize, ids: Vec<u32>) -> Self {
-        let count = |row: &[u32]| row.iter().filter(|&&id| id != NO_ELEMENT).count() as u32;
+        let count = |row: &[u32]| row.iter().filter(|&&id| id < GONE).count() as u32;
         Self {
             rays,
             hits: ids.chunks(rays).map(count).collect(),
@@ -78,7 +86,7 @@ impl HitList {
     /// A matrix given row by row, each of the same number of entries; `None` is a miss.
     #[cfg(test)]
     pub(crate) fn from_rows(rows: &[Vec<Option<u32>>]) -> Self {
-        let ids = rows.iter().flatten().map(|id| id.unwrap_or(NO_ELEMENT));
+        let ids = rows.iter().flatten().map(|id| id.unwrap_or(SKY));
         Self::new(rows[0].len(), ids.collect())
     }
 }
@@ -86,82 +94,209 @@ impl HitList {
 /// What the rays of all elements found.
 pub(crate) struct Traced {
     pub(crate) rows: HitList,
-    /// Light of sky and emitters that rays came upon, with the weight that belongs to rays.
-    pub(crate) found: Vec<Vec3>,
+    /// Rays of each element that met the sky.
+    sky: Vec<u32>,
+    /// Rays that met sampled emitters: those of element `e` from `first_met[e]` on.
+    met: Vec<Met>,
+    first_met: Vec<u32>,
+    /// How far each ray went; empty if nobody will ask.
+    reaches: Vec<Reach>,
+}
+
+/// A ray of an element that met a sampled emitter.
+#[derive(Clone, Copy)]
+struct Met {
+    /// Which ray of the element.
+    ray: u32,
+    element: u32,
+    /// How much of the emitter's light counts.
+    weight: f32,
+}
+
+/// What an earlier bake's rays found, of which much is still true.
+pub(crate) struct RowsBefore<'a> {
+    pub(crate) traced: &'a Traced,
+    pub(crate) change: &'a Change,
+    /// The emitters to sample are others than then.
+    pub(crate) new_emitters: bool,
+}
+
+/// What [`trace`] looks at.
+pub(crate) struct RowTracer<'a> {
+    pub(crate) scene: &'a ValidScene,
+    pub(crate) occluders: Occluders<'a>,
+    pub(crate) elements: &'a Elements,
+    pub(crate) emitters: Emitters<'a>,
+    /// Elements whose light is sampled.
+    pub(crate) marks: &'a [bool],
+    pub(crate) rays: u32,
+    pub(crate) seed: u32,
+    /// Whether to note how far rays went.
+    pub(crate) remember: bool,
 }
 
 /// Elements a thread takes at a time: a few milliseconds' work.
 const CHUNK: usize = 64;
 
-/// Traces `rays` cosine-distributed rays from points spread over each element.
-pub(crate) fn trace(
-    scene: &ValidScene,
-    occluders: &Occluders,
-    elements: &Elements,
-    emitters: &Emitters,
-    rays: u32,
-    seed: u32,
-    observer: &dyn Observer,
-) -> Result<Traced, Cancelled> {
-    let chunks = map_ranges(
-        elements.len(),
-        CHUNK,
-        Stage::FormFactors,
-        observer,
-        |range| {
-            let mut ids = Vec::with_capacity(range.len() * rays as usize);
-            let found: Vec<Vec3> = range
-                .map(|e| {
-                    let element = ElementId(e as u32);
-                    let mut found = Vec3::ZERO;
-                    for i in 0..rays {
-                        let (id, light) =
-                            trace_one(scene, occluders, elements, emitters, element, i, seed);
-                        ids.push(id);
-                        found += light;
-                    }
-                    found / rays as f32
-                })
-                .collect();
-            (ids, found)
-        },
-    )?;
-    let mut all = Vec::with_capacity(elements.len() * rays as usize);
-    let mut found = Vec::with_capacity(elements.len());
-    for (ids, light) in chunks {
-        all.extend(ids);
-        found.extend(light);
-    }
-    Ok(Traced {
-        rows: HitList::new(rays as usize, all),
-        found,
-    })
+/// The rays of some elements, one element after the other.
+#[derive(Default)]
+struct Rows {
+    ids: Vec<u32>,
+    reaches: Vec<Reach>,
+    sky: Vec<u32>,
+    met: Vec<Met>,
+    /// How many of `met` each element has.
+    met_count: Vec<u32>,
+    traced: u64,
 }
 
-fn trace_one(
-    scene: &ValidScene,
-    occluders: &Occluders,
-    elements: &Elements,
-    emitters: &Emitters,
-    element: ElementId,
-    i: u32,
-    seed: u32,
-) -> (u32, Vec3) {
-    let seed = element_seed(element, seed);
-    let [u, v, s, t] = sobol(i, 0, seed);
-    let point = elements.point(scene, element, u, v);
-    let direction = frame(point.normal) * cosine_hemisphere(s, t);
-    let origin = point.position + point.normal * OFFSET;
-    let Some(hit) = occluders.closest(origin, direction, point.triangle, hash(seed, i)) else {
-        return (NO_ELEMENT, scene.sky);
+/// Traces cosine-distributed rays from points spread over each element, those that `before` does
+/// not answer. Returns how many that were.
+pub(crate) fn trace(
+    tracer: &RowTracer,
+    before: Option<&RowsBefore>,
+    observer: &dyn Observer,
+) -> Result<(Traced, u64), Cancelled> {
+    let count = tracer.elements.len();
+    let chunks = map_ranges(count, CHUNK, Stage::FormFactors, observer, |range| {
+        let mut rows = Rows::default();
+        for e in range {
+            let met = rows.met.len();
+            let kept = before.and_then(|b| Some((b, b.change.element_before[e]?)));
+            let misses = match kept {
+                Some((before, old)) => tracer.row_again(e, before, old as usize, &mut rows),
+                None => (0..tracer.rays).map(|i| tracer.ray(e, i, &mut rows)).sum(),
+            };
+            rows.sky.push(misses);
+            rows.met_count.push((rows.met.len() - met) as u32);
+        }
+        rows
+    })?;
+    let rays = count * tracer.rays as usize;
+    let mut ids = Vec::with_capacity(rays);
+    let mut traced = Traced {
+        rows: HitList::new(1, Vec::new()),
+        sky: Vec::with_capacity(count),
+        met: Vec::new(),
+        first_met: vec![0],
+        reaches: Vec::with_capacity(if tracer.remember { rays } else { 0 }),
     };
-    let receiver = Receiver {
-        position: origin,
-        normal: point.normal,
-        triangle: point.triangle,
-    };
-    let light = emitters.found_by_ray(elements, &receiver, direction, &hit);
-    (elements.at(&hit).map_or(NO_ELEMENT, |e| e.0), light)
+    let (mut cost, mut end) = (0, 0);
+    for rows in chunks {
+        ids.extend(rows.ids);
+        traced.reaches.extend(rows.reaches);
+        traced.sky.extend(rows.sky);
+        traced.met.extend(rows.met);
+        for count in rows.met_count {
+            end += count;
+            traced.first_met.push(end);
+        }
+        cost += rows.traced;
+    }
+    traced.rows = HitList::new(tracer.rays as usize, ids);
+    Ok((traced, cost))
+}
+
+impl RowTracer<'_> {
+    /// Takes over a row, tracing again what may have changed. Returns how many rays met the sky.
+    fn row_again(&self, e: usize, before: &RowsBefore, old: usize, rows: &mut Rows) -> u32 {
+        let sphere = self.elements.sphere(self.scene, ElementId(e as u32));
+        let disturbed = before.change.disturbed.from(sphere);
+        let traced = before.traced;
+        let mut met = traced.met_of(old).iter().peekable();
+        let first = old * self.rays as usize;
+        let mut sky = 0;
+        for i in 0..self.rays {
+            let known = met.next_if(|m| m.ray == i);
+            let reach = traced.reaches[first + i as usize];
+            let id = before.change.translate(traced.rows.ids[first + i as usize]);
+            let other = before.new_emitters
+                && (known.is_some() || self.marks.get(id as usize).is_some_and(|&m| m));
+            if id == GONE || other || disturbed.ray(reach) {
+                sky += self.ray(e, i, rows);
+                continue;
+            }
+            sky += u32::from(id == SKY);
+            rows.ids.push(id);
+            rows.reaches.push(reach);
+            rows.met.extend(known.map(|m| Met { element: id, ..*m }));
+        }
+        sky
+    }
+
+    /// Traces a ray. Returns 1 if it met the sky.
+    fn ray(&self, e: usize, i: u32, rows: &mut Rows) -> u32 {
+        let seed = self.elements.seed(ElementId(e as u32), self.seed);
+        let [u, v, s, t] = sobol(i, 0, seed);
+        let point = self.elements.point(self.scene, ElementId(e as u32), u, v);
+        let direction = frame(point.normal) * cosine_hemisphere(s, t);
+        let origin = point.position + point.normal * OFFSET;
+        let hit = self
+            .occluders
+            .closest(origin, direction, point.triangle, hash(seed, i));
+        rows.traced += 1;
+        if self.remember {
+            let distance = hit.map_or(f32::INFINITY, |h| h.distance);
+            rows.reaches.push(Reach::new(direction, distance));
+        }
+        let Some(hit) = hit else {
+            rows.ids.push(SKY);
+            return 1;
+        };
+        let element = self.elements.at(&hit);
+        rows.ids.push(element.map_or(BLACK, |e| e.0));
+        if let Some(element) = element.filter(|e| self.marks[e.0 as usize]) {
+            let receiver = Receiver {
+                position: origin,
+                normal: point.normal,
+                triangle: point.triangle,
+            };
+            rows.met.push(Met {
+                ray: i,
+                element: element.0,
+                weight: self
+                    .emitters
+                    .ray_weight(element, &receiver, direction, &hit),
+            });
+        }
+        0
+    }
+}
+
+impl Traced {
+    fn met_of(&self, e: usize) -> &[Met] {
+        &self.met[self.first_met[e] as usize..self.first_met[e + 1] as usize]
+    }
+
+    /// Light of sky and emitters that the rays of an element came upon, with the weight that
+    /// belongs to rays. `loose` is the emission that is not sampled, `None` if there is none.
+    pub(crate) fn found(
+        &self,
+        e: usize,
+        elements: &Elements,
+        loose: Option<&[Vec3A]>,
+        sky: Vec3,
+    ) -> Vec3 {
+        let met = self.met_of(e).iter();
+        let sampled: Vec3 = met
+            .map(|m| elements.emission[m.element as usize] * m.weight)
+            .sum();
+        let loose = loose.map_or(Vec3::ZERO, |l| self.rows.gather(e, l).as_vec3());
+        (sky * self.sky[e] as f32 + sampled) / self.rows.rays as f32 + loose
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.rows.bytes()
+            + (4 * (self.sky.len() + self.first_met.len())
+                + size_of_val(&*self.met)
+                + size_of_val(&*self.reaches)) as u64
+    }
+
+    /// What every ray met and how far off: for tests.
+    #[cfg(test)]
+    pub(crate) fn hits(&self) -> (&[u32], &[Reach]) {
+        (&self.rows.ids, &self.reaches)
+    }
 }
 
 #[cfg(test)]

@@ -5,4 +5,4 @@
 
 mod hit_list;
 
-pub(crate) use hit_list::{HitList, trace};
+pub(crate) use hit_list::{BLACK, GONE, HitList, RowTracer, RowsBefore, SKY, Traced, trace};

@@ -304,7 +304,8 @@ mod tests {
     fn closed_rooms_of_double_sided_walls_are_seen_from_within() {
         let scene = room(true).validate().unwrap();
         let bake = bake(&scene, &BakeSettings::DRAFT, &()).unwrap();
-        let surfaces = super::super::Surfaces::new(&scene);
+        let pyramids = super::super::Pyramids::new(&scene, None);
+        let surfaces = super::super::Surfaces::new(&scene, &pyramids);
         let hierarchy = super::super::Hierarchy::new(
             &scene,
             &surfaces,

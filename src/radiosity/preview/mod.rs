@@ -27,7 +27,7 @@ use super::observer::{Observer, Stage};
 use super::occlusion::{Hierarchy, Hit, Holds, Occluders};
 use super::parallel::map_ranges;
 use super::sampling::{hash, sobol, unit_float};
-use super::surface::Surfaces;
+use super::surface::{Pyramids, Surfaces};
 use super::triangle::area;
 use super::validate::ValidScene;
 
@@ -88,7 +88,8 @@ pub fn preview(
     observer: &dyn Observer,
 ) -> Result<Picture, BakeError> {
     assert_eq!(scene.objects.len(), bake.objects.len(), "another scene");
-    let surfaces = Surfaces::new(scene);
+    let pyramids = Pyramids::new(scene, None);
+    let surfaces = Surfaces::new(scene, &pyramids);
     let hierarchy = Hierarchy::new(scene, &surfaces, Holds::All, BvhQuality::Best);
     let view = View {
         scene,
