@@ -14,6 +14,8 @@ use crate::world::{Room, difference, material, mesh, quads};
 enum Cost {
     /// Nothing runs.
     Nothing,
+    /// Vertex values are fitted anew to what is known.
+    Fit,
     /// The system is solved anew; no ray is traced.
     Solve,
     /// Shadow rays to that light, and to nothing else.
@@ -24,10 +26,12 @@ enum Cost {
     Anything,
 }
 
-/// The noise of two bakes with different rays; a change whose rays stay the same is held to the solver's
-/// tolerance instead.
+/// The noise of two bakes with different rays: half-sets of these settings differ by 4 %.
 const NOISE: f32 = 0.06;
-const SOLVER: f32 = 2e-3;
+
+/// Where the rays stay the same. Not zero, because a bake from scratch chooses anew how strongly to smooth
+/// and which bright elements to sample, and a resumed one keeps what it chose.
+const SAME_RAYS: f32 = 0.015;
 
 fn check(cost: Cost, tolerance: f32, edit: impl FnOnce(&mut Room)) {
     let mut room = Room::lit();
@@ -65,6 +69,10 @@ fn check_cost(cost: Cost, work: &Work, full: &Work) {
     let all = |w: &Work| w.element_rays + w.gather_rays + w.emitter_rays + w.light_rays;
     match cost {
         Cost::Nothing => assert_eq!(all(work), 0, "{work:?}"),
+        Cost::Fit => {
+            assert_eq!((all(work), work.sweeps), (0, 0), "{work:?}");
+            assert!(work.fits > 0, "{work:?}");
+        }
         Cost::Solve => {
             assert_eq!(all(work), 0, "{work:?}");
             assert!(work.sweeps > 0, "{work:?}");
@@ -99,26 +107,26 @@ changes! {
     what_baking_does_not_read: Nothing, 0.0, |r| {
         r.edit_material(r.block, |m| m.perceptual_roughness = 0.9);
     };
-    light_color: Solve, SOLVER, |r| r.edit::<PointLight>(r.point, |l| l.color = Color::srgb(1.0, 0.2, 0.1));
-    light_power: Solve, SOLVER, |r| r.edit::<PointLight>(r.point, |l| l.intensity *= 3.0);
-    light_moved: LightRays, SOLVER, |r| r.edit::<Transform>(r.point, |t| t.translation.x = 0.6);
-    light_range: LightRays, SOLVER, |r| r.edit::<PointLight>(r.point, |l| l.range = 1.5);
-    light_added: LightRays, SOLVER, |r| {
+    light_color: Solve, SAME_RAYS, |r| r.edit::<PointLight>(r.point, |l| l.color = Color::srgb(1.0, 0.2, 0.1));
+    light_power: Solve, SAME_RAYS, |r| r.edit::<PointLight>(r.point, |l| l.intensity *= 3.0);
+    light_moved: LightRays, SAME_RAYS, |r| r.edit::<Transform>(r.point, |t| t.translation.x = 0.6);
+    light_range: LightRays, SAME_RAYS, |r| r.edit::<PointLight>(r.point, |l| l.range = 1.5);
+    light_added: LightRays, SAME_RAYS, |r| {
         r.world().spawn((
             SpotLight { intensity: 30_000.0, affects_lightmapped_mesh_diffuse: false, ..default() },
             Transform::from_xyz(0.0, 0.9, 0.8).looking_at(Vec3::ZERO, Vec3::Y),
         ));
     };
-    light_despawned: Solve, SOLVER, |r| { let p = r.point; r.world().despawn(p); };
-    light_hidden: Solve, SOLVER, |r| { let p = r.point; r.world().entity_mut(p).insert(Visibility::Hidden); };
-    light_excluded: Solve, SOLVER, |r| { let p = r.point; r.world().entity_mut(p).insert(LightBaking::Excluded); };
-    light_realtime: Solve, SOLVER, |r| { let p = r.point; r.world().entity_mut(p).insert(LightBaking::Indirect); };
-    reflectance: Solve, SOLVER, |r| r.edit_material(r.red_wall, |m| m.base_color = Color::srgb(0.1, 0.1, 0.8));
-    metallic: Solve, SOLVER, |r| r.edit_material(r.red_wall, |m| m.metallic = 0.5);
-    emission: Solve, SOLVER, |r| r.edit_material(r.lamp, |m| m.emissive = LinearRgba::rgb(0.5, 2.0, 4.0));
-    emission_gain: Solve, SOLVER, |r| r.world().resource_mut::<RadiositySettings>().emissive_gain *= 0.5;
-    sky: Solve, SOLVER, |r| r.world().resource_mut::<RadiositySettings>().sky = LinearRgba::rgb(50.0, 80.0, 120.0);
-    ambient: Solve, SOLVER, |r| {
+    light_despawned: Solve, SAME_RAYS, |r| { let p = r.point; r.world().despawn(p); };
+    light_hidden: Solve, SAME_RAYS, |r| { let p = r.point; r.world().entity_mut(p).insert(Visibility::Hidden); };
+    light_excluded: Solve, SAME_RAYS, |r| { let p = r.point; r.world().entity_mut(p).insert(LightBaking::Excluded); };
+    light_realtime: Fit, SAME_RAYS, |r| { let p = r.point; r.world().entity_mut(p).insert(LightBaking::Indirect); };
+    reflectance: Solve, SAME_RAYS, |r| r.edit_material(r.red_wall, |m| m.base_color = Color::srgb(0.1, 0.1, 0.8));
+    metallic: Solve, SAME_RAYS, |r| r.edit_material(r.red_wall, |m| m.metallic = 0.5);
+    emission: Solve, SAME_RAYS, |r| r.edit_material(r.lamp, |m| m.emissive = LinearRgba::rgb(0.5, 2.0, 4.0));
+    emission_gain: Solve, SAME_RAYS, |r| r.world().resource_mut::<RadiositySettings>().emissive_gain *= 0.5;
+    sky: Solve, SAME_RAYS, |r| r.world().resource_mut::<RadiositySettings>().sky = LinearRgba::rgb(50.0, 80.0, 120.0);
+    ambient: Solve, SAME_RAYS, |r| {
         r.world().insert_resource(GlobalAmbientLight {
             brightness: 100.0,
             affects_lightmapped_meshes: false,
@@ -175,7 +183,7 @@ changes! {
         let block = r.block;
         r.world().entity_mut(block).insert(StaticLighting { casts: false, ..default() });
     };
-    reflects_no_more: Solve, SOLVER, |r| {
+    reflects_no_more: SomeRays, NOISE, |r| {
         let wall = r.red_wall;
         r.world().entity_mut(wall).insert(StaticLighting { reflects: false, ..default() });
     };
@@ -203,7 +211,7 @@ fn an_undone_change_leaves_no_trace() {
     assert!(difference(&room.all_light(), &before) > 0.02);
     room.edit::<Transform>(room.block, |t| t.translation.x = 0.3);
     room.settle();
-    assert!(difference(&room.all_light(), &before) < SOLVER);
+    assert!(difference(&room.all_light(), &before) < SAME_RAYS);
 }
 
 #[test]
@@ -215,7 +223,7 @@ fn a_change_undone_while_it_is_baked_leaves_no_trace() {
     room.app.update();
     room.edit::<Transform>(room.block, |t| t.translation.x = 0.3);
     room.settle();
-    assert!(difference(&room.all_light(), &before) < SOLVER);
+    assert!(difference(&room.all_light(), &before) < SAME_RAYS);
 }
 
 #[test]
@@ -259,7 +267,7 @@ fn an_image_edited_in_place_is_noticed() {
     let dark = room.all_light();
     assert!(difference(&dark, &before) > 0.05);
     room.bake_from_scratch();
-    assert!(difference(&dark, &room.all_light()) < SOLVER);
+    assert!(difference(&dark, &room.all_light()) < SAME_RAYS);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-use bevy::pbr::OpaqueRendererMethod;
+use bevy::material::OpaqueRendererMethod;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
