@@ -362,3 +362,59 @@ fn textures_reflect_their_mean() {
         "{textured} for {plain}"
     );
 }
+
+/// A floor under a rectangular light that faces it: L times the form factor, in closed form.
+#[test]
+fn a_rectangle_shines_as_its_form_factor_says() {
+    let (width, height, distance, lumens) = (0.8_f32, 0.5_f32, 1.0_f32, 40.0_f32);
+    let mut s = scene(vec![floor(1.5, 0.0, 24, 0)], vec![grey(0.5, 0.0)]);
+    s.lights.push(Light {
+        power: Vec3::splat(lumens),
+        kind: LightKind::Rect {
+            position: Vec3::Y * distance,
+            direction: Vec3::NEG_Y,
+            right: Vec3::X,
+            width,
+            height,
+            range: f32::INFINITY,
+        },
+        ..Light::default()
+    });
+    let radiance = lumens / (std::f32::consts::PI * width * height);
+    // A point under the corner of an a × b rectangle at distance 1, signed for the sides.
+    let corner = |a: f32, b: f32| {
+        let (x, y) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
+        (a / x * (b / x).atan() + b / y * (a / y).atan()) / std::f32::consts::TAU
+    };
+    let positions = s.objects[0].positions.clone();
+    let lit = run(s.clone());
+    for (p, v) in positions.iter().zip(values(&lit)) {
+        let (x, z) = (
+            (p.x - width / 2.0, p.x + width / 2.0),
+            (p.z - height / 2.0, p.z + height / 2.0),
+        );
+        let factor = corner(x.1, z.1) - corner(x.0, z.1) - corner(x.1, z.0) + corner(x.0, z.0);
+        let truth = radiance * factor;
+        assert!((v / truth - 1.0).abs() < 0.02, "at {p}: {v} for {truth}");
+    }
+    // The same as a luminous surface of that size, and nothing behind it.
+    let mut lamp = scene(
+        vec![
+            floor(1.5, 0.0, 24, 0),
+            quad(
+                "lamp",
+                Vec3::new(-width / 2.0, distance, -height / 2.0),
+                Vec3::X * width,
+                Vec3::Z * height,
+                1,
+                1,
+            ),
+        ],
+        vec![grey(0.5, 0.0), grey(0.0, radiance)],
+    );
+    lamp.objects[1].receives = false;
+    let mean = |bake: &Bake| mean_over(&s.objects[0], &bake.objects[0].light);
+    assert!((mean(&run(lamp)) / mean(&lit) - 1.0).abs() < 0.02);
+    s.objects[0].positions.iter_mut().for_each(|p| p.y = 2.0);
+    assert!(values(&run(s)).iter().all(|&v| v == 0.0));
+}

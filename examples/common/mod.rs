@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use bevy::app::PluginGroupBuilder;
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
+use bevy::render::RenderPlugin;
 use bevy::render::render_resource::{Extent3d, TextureFormat, TextureUsages};
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
 use bevy::window::ExitCondition;
@@ -31,6 +32,11 @@ pub(crate) fn default_plugins(title: &str) -> PluginGroupBuilder {
         .set(WindowPlugin {
             primary_window: None,
             exit_condition: ExitCondition::DontExit,
+            ..default()
+        })
+        // Else the first frames are empty, and there may be no others.
+        .set(RenderPlugin {
+            synchronous_pipeline_compilation: true,
             ..default()
         })
         .disable::<WinitPlugin>()

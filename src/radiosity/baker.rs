@@ -104,6 +104,7 @@ impl Baker {
         let start = Start {
             before: kept.map(|k| Before {
                 scene: &k.scene,
+                settings: &k.settings,
                 stages: &k.stages,
             }),
             plan: None,

@@ -287,6 +287,16 @@ impl Direct {
         parts.concat()
     }
 
+    /// Whether the same was found; a light that is dark may be known or not.
+    #[cfg(test)]
+    pub(crate) fn same(&self, other: &Self) -> bool {
+        let lights = self.known.len();
+        let both = |i: usize| self.known[i % lights] && other.known[i % lights];
+        self.sampled == other.sampled
+            && (self.reached.iter().zip(&other.reached).enumerate())
+                .all(|(i, (a, b))| a == b || !both(i))
+    }
+
     pub(crate) fn bytes(&self) -> u64 {
         (4 * (self.reached.len() + self.first_sampled.len()) + 8 * self.sampled.len()) as u64
     }

@@ -63,6 +63,7 @@ pub(crate) struct Plan {
 #[derive(Clone, Copy)]
 pub(crate) struct Before<'a> {
     pub(crate) scene: &'a ValidScene,
+    pub(crate) settings: &'a BakeSettings,
     pub(crate) stages: &'a Stages,
 }
 
@@ -401,7 +402,11 @@ impl<'a> Run<'a> {
         if let Some((old, change)) = self.before() {
             let same = Arc::ptr_eq(traced, &old.traced)
                 && Arc::ptr_eq(arrived, &old.arrived)
-                && !change.new_looks;
+                && !change.new_looks
+                && self
+                    .start
+                    .before
+                    .is_some_and(|b| b.settings == self.settings);
             if same && old.solution.report.converged {
                 return Ok(old.solution.clone());
             }
@@ -616,7 +621,9 @@ impl Stages {
     #[cfg(test)]
     pub(crate) fn same_gathered(&self, other: &Self) -> bool {
         let (a, b) = (&self.gathered.triangles, &other.gathered.triangles);
-        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.same(b))
+        a.len() == b.len()
+            && a.iter().zip(b).all(|(a, b)| a.same(b))
+            && self.direct.same(&other.direct)
     }
 
     /// Bytes held.
