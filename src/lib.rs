@@ -57,7 +57,7 @@
 #![cfg_attr(feature = "cli", doc = "| [`cli`] | the `fresco` command | `cli` |")]
 #![cfg_attr(
     feature = "bevy",
-    doc = "| [`plugin`] | the vertex attribute that carries baked light in Bevy | `bevy` |"
+    doc = "| [`plugin`] | the vertex attribute that carries baked light in Bevy, and the material that shows it | `bevy` |"
 )]
 //!
 //! The feature `parallel` bakes on all cores; results are the same bytes with and without it.

@@ -28,8 +28,8 @@ use super::shaders;
 pub type FrescoMaterial = ExtendedMaterial<StandardMaterial, FrescoExtension>;
 
 /// What [`FrescoMaterial`] has beyond the standard material.
-#[derive(Asset, AsBindGroup, Reflect, Debug, Clone, Copy, PartialEq)]
-#[reflect(Default, Debug, Clone, PartialEq)]
+#[derive(Asset, AsBindGroup, Reflect, Debug, Clone)]
+#[reflect(Default, Debug, Clone)]
 #[uniform(100, FrescoUniform)]
 pub struct FrescoExtension {
     /// Multiplies baked light, from 0 (dark) on; 1 shows it as it was baked.
@@ -114,5 +114,24 @@ impl Plugin for FrescoMaterialPlugin {
         app.add_plugins((MaterialPlugin::<FrescoMaterial>::default(), shaders::plugin))
             .register_type::<FrescoExtension>()
             .register_asset_reflect::<FrescoMaterial>();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn can_be_added_where_nothing_is_drawn() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default(), FrescoMaterialPlugin));
+        app.finish();
+        for _ in 0..10 {
+            app.update();
+        }
+        let mut materials = app.world_mut().resource_mut::<Assets<FrescoMaterial>>();
+        let handle = materials.add(FrescoMaterial::default());
+        let gain = materials.get(&handle).map(|m| m.extension.baked_light_gain);
+        assert_eq!(gain, Some(1.0));
     }
 }

@@ -8,8 +8,11 @@
 //! definition has another name, and light from vertices goes where that of a texture would.
 //! The copy is made when the app starts, from the text that Bevy brings: it cannot fall behind it.
 
+use std::borrow::Cow;
+
 use bevy::asset::uuid_handle;
 use bevy::prelude::*;
+use bevy::render::RenderApp;
 use bevy::shader::Shader;
 
 /// Passes baked light on, beside all that Bevy's vertex shaders do.
@@ -27,38 +30,44 @@ pub(super) const BAKED_LIGHT: &str = "FRESCO_BAKED_LIGHT";
 /// Where Bevy keeps the text that [`PBR_FUNCTIONS`] is made from.
 const SOURCE: &str = "embedded://bevy_pbr/render/pbr_functions.wgsl";
 
+/// What stands in for [`PBR_FUNCTIONS`] if Bevy's text is not as expected: surfaces look as if
+/// nothing was baked, rather than not at all.
+const UNLIT_PBR_FUNCTIONS: &str = "\
+#define_import_path bevy_fresco::pbr_functions
+#import bevy_pbr::{pbr_functions, pbr_types}
+fn apply_pbr_lighting(in: pbr_types::PbrInput) -> vec4<f32> {
+    return pbr_functions::apply_pbr_lighting(in);
+}
+";
+
 /// Keeps Bevy's text loaded until the copy is made.
 #[derive(Resource, Debug)]
 struct Source(Handle<Shader>);
 
 /// Adds the shaders. Without a renderer there is nothing to add.
 pub(super) fn plugin(app: &mut App) {
-    let Some(mut shaders) = app.world_mut().get_resource_mut::<Assets<Shader>>() else {
+    if app.get_sub_app(RenderApp).is_none() {
         return;
-    };
-    for (handle, name, text) in [
-        (VERTEX_SHADER, "vertex.wgsl", include_str!("vertex.wgsl")),
-        (
-            FRAGMENT_SHADER,
-            "fragment.wgsl",
-            include_str!("fragment.wgsl"),
-        ),
-    ] {
-        let shader = Shader::from_wgsl(text, format!("bevy_fresco/plugin/{name}"));
-        if let Err(error) = shaders.insert(handle.id(), shader) {
-            error!("the shader {name} could not be added: {error}");
-        }
     }
-    let source = app.world().resource::<AssetServer>().load(SOURCE);
-    app.insert_resource(Source(source));
-    app.add_systems(
+    app.add_systems(Startup, (add_own, load_bevys)).add_systems(
         PreUpdate,
-        copy_bevys_lighting_code.run_if(resource_exists::<Source>),
+        copy_bevys_lighting.run_if(resource_exists::<Source>),
     );
 }
 
+fn add_own(mut shaders: ResMut<Assets<Shader>>) {
+    let vertex = include_str!("vertex.wgsl");
+    let fragment = include_str!("fragment.wgsl");
+    add(&mut shaders, &VERTEX_SHADER, "vertex.wgsl", vertex);
+    add(&mut shaders, &FRAGMENT_SHADER, "fragment.wgsl", fragment);
+}
+
+fn load_bevys(mut commands: Commands, assets: Res<AssetServer>) {
+    commands.insert_resource(Source(assets.load(SOURCE)));
+}
+
 /// Waits for Bevy's text and copies it. Pipelines that import the copy wait for it by themselves.
-fn copy_bevys_lighting_code(
+fn copy_bevys_lighting(
     mut commands: Commands,
     source: Res<Source>,
     mut shaders: ResMut<Assets<Shader>>,
@@ -66,14 +75,26 @@ fn copy_bevys_lighting_code(
     let Some(bevys) = shaders.get(&source.0) else {
         return;
     };
+    let text = lit_by_vertices(bevys.source.as_str()).map_or_else(
+        || {
+            error!("{SOURCE} is not as bevy_fresco knows it: baked light cannot be shown");
+            Cow::Borrowed(UNLIT_PBR_FUNCTIONS)
+        },
+        Cow::Owned,
+    );
+    add(&mut shaders, &PBR_FUNCTIONS, "pbr_functions.wgsl", text);
     commands.remove_resource::<Source>();
-    let Some(text) = lit_by_vertices(bevys.source.as_str()) else {
-        error!("{SOURCE} is not as bevy_fresco knows it: baked light cannot be shown");
-        return;
-    };
-    let shader = Shader::from_wgsl(text, "bevy_fresco/plugin/pbr_functions.wgsl");
-    if let Err(error) = shaders.insert(PBR_FUNCTIONS.id(), shader) {
-        error!("the lighting code of bevy_fresco could not be added: {error}");
+}
+
+fn add(
+    shaders: &mut Assets<Shader>,
+    handle: &Handle<Shader>,
+    name: &str,
+    text: impl Into<Cow<'static, str>>,
+) {
+    let shader = Shader::from_wgsl(text, format!("bevy_fresco/plugin/{name}"));
+    if let Err(error) = shaders.insert(handle, shader) {
+        error!("the shader {name} could not be added: {error}");
     }
 }
 

@@ -8,16 +8,20 @@ use crate::picture::Picture;
 use crate::scenery::{add, grid, lightmap, lit, show_bevy, show_fresco};
 use crate::stage::{exposure, on_stage};
 
+/// How camera and material are drawn.
+#[derive(Clone, Copy, PartialEq)]
+enum Mode {
+    Forward,
+    ForwardInDeferred,
+    Deferred,
+}
+
 /// A grid that was baked black under one light of each kind.
-fn black_under(
-    affects_lightmapped_mesh_diffuse: bool,
-    reflectance: f32,
-    deferred: bool,
-) -> Picture {
+fn black_under(affects_lightmapped_mesh_diffuse: bool, reflectance: f32, mode: Mode) -> Picture {
     on_stage(move |stage| {
         stage.shoot(
             |camera| {
-                if deferred {
+                if mode != Mode::Forward {
                     camera.insert(DEFERRED);
                 }
             },
@@ -50,7 +54,7 @@ fn black_under(
                 let base = StandardMaterial {
                     reflectance,
                     perceptual_roughness: 0.3,
-                    opaque_render_method: method(deferred),
+                    opaque_render_method: method(mode == Mode::Deferred),
                     ..default()
                 };
                 show_fresco(world, lit(grid(), Vec3::ZERO), base, default());
@@ -65,22 +69,24 @@ fn middle(picture: &Picture) -> f32 {
 
 #[test]
 fn baked_lights_keep_only_their_highlight() {
-    let realtime = middle(&black_under(true, 0.0, false));
-    let baked = middle(&black_under(false, 0.0, false));
-    let glossy = middle(&black_under(false, 0.5, false));
-    println!("realtime {realtime}, baked {baked}, its highlight {glossy}");
-    // 1000 lux alone are 1000/π cd/m².
-    assert!(realtime > 318.0 * exposure());
-    assert!(baked < 1e-3 * realtime, "the diffuse part came twice");
-    assert!(glossy > 0.01 * realtime, "the highlight is gone");
+    for mode in [Mode::Forward, Mode::ForwardInDeferred] {
+        let realtime = middle(&black_under(true, 0.0, mode));
+        let baked = middle(&black_under(false, 0.0, mode));
+        let glossy = middle(&black_under(false, 0.5, mode));
+        println!("realtime {realtime}, baked {baked}, its highlight {glossy}");
+        // 1000 lux alone are 1000/π cd/m².
+        assert!(realtime > 318.0 * exposure());
+        assert!(baked < 1e-3 * realtime, "the diffuse part came twice");
+        assert!(glossy > 0.01 * realtime, "the highlight is gone");
+    }
 }
 
 /// Bevy's deferred lighting knows nothing of lightmaps: the reason why the documentation asks for
 /// forward. When this fails, Bevy has learnt it.
 #[test]
 fn deferred_adds_it_twice_as_bevy_does() {
-    let forward = middle(&black_under(true, 0.0, false));
-    let deferred = middle(&black_under(false, 0.0, true));
+    let forward = middle(&black_under(true, 0.0, Mode::Forward));
+    let deferred = middle(&black_under(false, 0.0, Mode::Deferred));
     println!("deferred adds {deferred} of {forward}");
     assert!((deferred / forward - 1.0).abs() < 0.01);
 }

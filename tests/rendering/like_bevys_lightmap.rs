@@ -70,7 +70,7 @@ impl Case {
 fn point_light(world: &mut World) {
     world.spawn((
         PointLight {
-            intensity: 200_000.0,
+            intensity: 50_000.0,
             shadow_maps_enabled: true,
             ..default()
         },
@@ -193,6 +193,9 @@ fn ambient_occlusion() {
                 ..default()
             });
             point_light(world);
+            // Something to be occluded by.
+            let cube = Mesh::from(Cuboid::from_length(0.7));
+            show_bevy(world, cube, default(), tilted());
         }),
         ..default()
     }
