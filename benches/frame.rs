@@ -3,7 +3,11 @@
 //! ```text
 //! cargo bench --all-features --profile test --bench frame
 //! ```
-#![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a benchmark prints, and may stop")]
+#![allow(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "a benchmark prints, and may stop"
+)]
 
 use std::time::{Duration, Instant};
 
@@ -45,7 +49,9 @@ fn main() {
 fn app(lit: bool) -> App {
     let mut app = App::new();
     app.add_plugins((
-        MinimalPlugins.build().disable::<bevy::app::ScheduleRunnerPlugin>(),
+        MinimalPlugins
+            .build()
+            .disable::<bevy::app::ScheduleRunnerPlugin>(),
         AssetPlugin::default(),
         TransformPlugin,
         MeshPlugin,
@@ -68,7 +74,9 @@ fn app(lit: bool) -> App {
             .iter(app.world())
             .collect();
         for root in roots {
-            app.world_mut().entity_mut(root).insert(StaticLighting::default());
+            app.world_mut()
+                .entity_mut(root)
+                .insert(StaticLighting::default());
         }
     }
     app

@@ -4,10 +4,11 @@
 use std::path::PathBuf;
 
 use bevy::app::PluginGroupBuilder;
+use bevy::asset::RenderAssetUsages;
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
-use bevy::render::render_resource::{Extent3d, TextureFormat, TextureUsages};
+use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
@@ -70,11 +71,7 @@ impl Plugin for TakeScreenshot {
     fn build(&self, app: &mut App) {
         let mut image = Image::new_target_texture(800, 800, TextureFormat::Rgba8UnormSrgb, None);
         image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
-        image.resize(Extent3d {
-            width: 800,
-            height: 800,
-            depth_or_array_layers: 1,
-        });
+        image.asset_usage = RenderAssetUsages::all();
         let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
         app.insert_resource(Shot {
             path: self.path.clone(),
@@ -86,9 +83,13 @@ impl Plugin for TakeScreenshot {
 }
 
 /// Turns cameras from the window that is not there to the image.
-fn aim(shot: Res<Shot>, mut cameras: Query<&mut RenderTarget, Added<Camera>>) {
-    for mut target in &mut cameras {
-        *target = RenderTarget::Image(shot.image.clone().into());
+fn aim(shot: Res<Shot>, mut cameras: Query<(&mut RenderTarget, &mut Projection)>) {
+    for (mut target, mut projection) in &mut cameras {
+        if matches!(*target, RenderTarget::Window(_)) {
+            *target = RenderTarget::Image(shot.image.clone().into());
+            // Bevy looks for the new target's size when the projection has changed.
+            projection.set_changed();
+        }
     }
 }
 
