@@ -1,3 +1,5 @@
+use std::time::{Duration, Instant};
+
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy::prelude::*;
 
@@ -5,7 +7,7 @@ use super::status::BakeFinished;
 use crate::radiosity::Stage;
 
 /// Names of the measurements that the plugin gives to Bevy's
-/// [`DiagnosticsStore`](bevy::diagnostic::DiagnosticsStore) when a bake ends.
+/// [`DiagnosticsStore`](bevy::diagnostic::DiagnosticsStore), most of them when a bake ends.
 #[derive(Clone, Copy, Debug)]
 pub struct RadiosityDiagnostics;
 
@@ -14,6 +16,8 @@ impl RadiosityDiagnostics {
     pub const TOTAL: DiagnosticPath = DiagnosticPath::const_new("radiosity/total");
     /// Vertices that carry light.
     pub const VERTICES: DiagnosticPath = DiagnosticPath::const_new("radiosity/vertices");
+    /// Milliseconds that a frame's main thread spent on baked light; measured every frame.
+    pub const MAIN_THREAD: DiagnosticPath = DiagnosticPath::const_new("radiosity/main_thread");
     /// Rays traced, of all kinds.
     pub const RAYS: DiagnosticPath = DiagnosticPath::const_new("radiosity/rays");
 
@@ -40,7 +44,35 @@ pub(super) fn register(app: &mut App) {
     app.register_diagnostic(Diagnostic::new(RadiosityDiagnostics::TOTAL).with_suffix(" ms"))
         .register_diagnostic(Diagnostic::new(RadiosityDiagnostics::VERTICES))
         .register_diagnostic(Diagnostic::new(RadiosityDiagnostics::RAYS))
+        .register_diagnostic(Diagnostic::new(RadiosityDiagnostics::MAIN_THREAD).with_suffix(" ms"))
+        .init_resource::<MainThread>()
         .add_observer(measure);
+}
+
+/// Time that the plugin's systems have taken in this frame.
+#[derive(Resource, Default)]
+pub(super) struct MainThread {
+    since: Option<Instant>,
+    spent: Duration,
+}
+
+/// Before the systems of a schedule.
+pub(super) fn start_clock(mut clock: ResMut<MainThread>) {
+    clock.since = Some(Instant::now());
+}
+
+/// After them.
+pub(super) fn stop_clock(mut clock: ResMut<MainThread>) {
+    let spent = clock.since.take().map_or(Duration::ZERO, |s| s.elapsed());
+    clock.spent += spent;
+}
+
+/// At the frame's end.
+pub(super) fn read_clock(mut clock: ResMut<MainThread>, mut diagnostics: Diagnostics) {
+    let spent = std::mem::take(&mut clock.spent);
+    diagnostics.add_measurement(&RadiosityDiagnostics::MAIN_THREAD, || {
+        spent.as_secs_f64() * 1e3
+    });
 }
 
 fn measure(finished: On<BakeFinished>, mut diagnostics: Diagnostics) {

@@ -64,7 +64,13 @@ impl Plugin for RadiosityPlugin {
         let wanted = resource_exists::<RadiositySettings>;
         app.add_systems(
             PreUpdate,
-            (drive::collect, apply::apply, drive::finish)
+            (
+                diagnostics::start_clock,
+                drive::collect,
+                apply::apply,
+                drive::finish,
+                diagnostics::stop_clock,
+            )
                 .chain()
                 .in_set(RadiositySystems::Apply)
                 .run_if(wanted),
@@ -72,6 +78,7 @@ impl Plugin for RadiosityPlugin {
         .add_systems(
             PostUpdate,
             (
+                diagnostics::start_clock,
                 inherit::inherit,
                 inherit::restore,
                 material::move_materials,
@@ -80,6 +87,8 @@ impl Plugin for RadiosityPlugin {
                 apply::show_edits,
                 Copies::follow,
                 drive::watch,
+                diagnostics::stop_clock,
+                diagnostics::read_clock,
             )
                 .chain()
                 .in_set(RadiositySystems::Watch)
