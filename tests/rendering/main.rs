@@ -9,6 +9,7 @@ mod closed_form;
 mod deformed;
 mod double_light;
 mod like_bevys_lightmap;
+mod other_devices;
 mod picture;
 mod scenery;
 mod stage;

@@ -107,6 +107,11 @@ impl Stage {
         Self { app }
     }
 
+    /// The app, as the last picture left it.
+    pub(crate) fn app(&self) -> &App {
+        &self.app
+    }
+
     /// What the camera sees, from 3 m in front of the origin, of what `scene` puts there: black
     /// where there is nothing, and alpha 0.
     pub(crate) fn shoot(
