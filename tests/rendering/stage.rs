@@ -151,6 +151,17 @@ impl Stage {
         self.wait_for_a_still_frame()
     }
 
+    /// What the camera sees after a change of what is there.
+    pub(crate) fn change(&mut self, change: impl FnOnce(&mut World)) -> Picture {
+        change(self.app.world_mut());
+        // Frames come back some updates after they were drawn.
+        for _ in 0..4 {
+            self.app.update();
+        }
+        self.app.world_mut().resource_mut::<Frames>().0.clear();
+        self.wait_for_a_still_frame()
+    }
+
     /// A frame is right when nothing waits for a shader, something is seen, and it stays so.
     fn wait_for_a_still_frame(&mut self) -> Picture {
         const STILL: usize = 4;
