@@ -70,7 +70,6 @@ fn fragment(
         out.color = pbr_input.material.base_color;
     }
     out.color = main_pass_post_lighting_processing(pbr_input, out.color);
-#endif
 
 #ifdef OIT_ENABLED
     let alpha_mode = pbr_input.material.flags & pbr_types::STANDARD_MATERIAL_FLAGS_ALPHA_MODE_RESERVED_BITS;
@@ -80,6 +79,7 @@ fn fragment(
         discard;
     }
 #endif
+#endif // PREPASS_PIPELINE
 
     return out;
 }

@@ -1,6 +1,6 @@
 //! The material that shows baked light: Bevy's standard material and one extension.
 
-use bevy::mesh::{MeshVertexBufferLayoutRef, VertexBufferLayout};
+use bevy::mesh::MeshVertexBufferLayoutRef;
 use bevy::pbr::{
     ExtendedMaterial, MaterialExtension, MaterialExtensionKey, MaterialExtensionPipeline,
     MeshPipelineKey,
@@ -89,7 +89,7 @@ impl MaterialExtension for FrescoExtension {
         if !forward && !is_defined("DEFERRED_PREPASS") {
             return Ok(());
         }
-        let light: VertexBufferLayout = layout
+        let light = layout
             .0
             .get_layout(&[ATTRIBUTE_BAKED_LIGHT.at_shader_location(BAKED_LIGHT_LOCATION)])?;
         buffer.attributes.extend(light.attributes);

@@ -1,6 +1,7 @@
 //! The same light on vertices and in a texture of Bevy's `Lightmap`: the same picture.
 
 use bevy::camera::Hdr;
+use bevy::core_pipeline::oit::OrderIndependentTransparencySettings;
 use bevy::core_pipeline::prepass::{
     DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass,
 };
@@ -272,6 +273,19 @@ fn alpha() {
         }
         .compare(name);
     }
+}
+
+#[test]
+fn order_independent_transparency() {
+    Case {
+        camera: Some(|camera| {
+            camera.insert(OrderIndependentTransparencySettings::default());
+        }),
+        world: Some(point_light),
+        base: Some(|world| blended(world, AlphaMode::Blend)),
+        ..default()
+    }
+    .compare("order independent");
 }
 
 #[test]

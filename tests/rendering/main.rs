@@ -5,10 +5,12 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on panics")]
 #![allow(clippy::print_stdout, reason = "how close the pictures came")]
 
+mod changes;
 mod closed_form;
 mod deformed;
 mod double_light;
 mod like_bevys_lightmap;
+mod other_devices;
 mod picture;
 mod scenery;
 mod stage;

@@ -69,7 +69,7 @@ pub(crate) fn grid_lit_unevenly() -> Mesh {
     grid().with_inserted_attribute(ATTRIBUTE_BAKED_LIGHT, light)
 }
 
-/// The same light as [`grid_lit_unevenly`], in a texture for UV_1.
+/// The same light as [`grid_lit_unevenly`], in a texture for `UV_1`.
 pub(crate) fn lightmap() -> Image {
     let texels = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| light_at(x, y)));
     let bytes = texels

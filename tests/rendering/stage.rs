@@ -107,6 +107,11 @@ impl Stage {
         Self { app }
     }
 
+    /// The app, as the last picture left it.
+    pub(crate) fn app(&self) -> &App {
+        &self.app
+    }
+
     /// What the camera sees, from 3 m in front of the origin, of what `scene` puts there: black
     /// where there is nothing, and alpha 0.
     pub(crate) fn shoot(
@@ -143,6 +148,17 @@ impl Stage {
         camera(&mut eye);
         scene(world);
         world.spawn((Readback::texture(target), Transform::default()));
+        self.wait_for_a_still_frame()
+    }
+
+    /// What the camera sees after a change of what is there.
+    pub(crate) fn change(&mut self, change: impl FnOnce(&mut World)) -> Picture {
+        change(self.app.world_mut());
+        // Frames come back some updates after they were drawn.
+        for _ in 0..4 {
+            self.app.update();
+        }
+        self.app.world_mut().resource_mut::<Frames>().0.clear();
         self.wait_for_a_still_frame()
     }
 

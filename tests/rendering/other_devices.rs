@@ -1,0 +1,144 @@
+//! The shaders as they are put together on devices this test does not run on.
+//!
+//! A picture gives the real shader definitions; those of desktops and of WebGL2 are exchanged, and
+//! what comes out must be valid.
+
+use bevy::core_pipeline::prepass::MotionVectorPrepass;
+use bevy::material::descriptor::PipelineDescriptor;
+use bevy::prelude::*;
+use bevy::render::RenderApp;
+use bevy::render::render_resource::PipelineCache;
+use bevy::render::renderer::RenderAdapter;
+use bevy::render::settings::WgpuFeatures;
+use bevy::shader::{Shader, ShaderCache, ShaderDefVal};
+
+use crate::like_bevys_lightmap::{DEFERRED, method};
+use crate::scenery::{grid, lit, show_fresco};
+use crate::stage::{Stage, on_stage};
+
+const ARRAYS: [&str; 4] = [
+    "MULTIPLE_LIGHT_PROBES_IN_ARRAY",
+    "MULTIPLE_LIGHTMAPS_IN_ARRAY",
+    "IRRADIANCE_VOLUMES_ARE_USABLE",
+    "CLUSTERED_DECALS_ARE_USABLE",
+];
+const WEBGL2: [&str; 5] = [
+    "WEBGL2",
+    "NO_ARRAY_TEXTURES_SUPPORT",
+    "NO_CUBE_ARRAY_TEXTURES_SUPPORT",
+    "SIXTEEN_BYTE_ALIGNMENT",
+    "SKINS_USE_UNIFORM_BUFFERS",
+];
+
+/// A kind of device, and what of the scene may be added on it.
+struct Device {
+    name: &'static str,
+    has: &'static [&'static str],
+    lacks: &'static [&'static str],
+    storage_buffers: u32,
+    extras: &'static [&'static [&'static str]],
+}
+
+const DEVICES: [Device; 2] = [
+    Device {
+        name: "desktop",
+        has: &ARRAYS,
+        lacks: &[],
+        storage_buffers: 8,
+        extras: &[
+            &[],
+            &["ENVIRONMENT_MAP"],
+            &["ENVIRONMENT_MAP", "IRRADIANCE_VOLUME"],
+            &["OIT_ENABLED"],
+        ],
+    },
+    Device {
+        name: "WebGL2",
+        has: &WEBGL2,
+        lacks: &ARRAYS,
+        storage_buffers: 0,
+        extras: &[&[], &["ENVIRONMENT_MAP"]],
+    },
+];
+
+#[test]
+fn shaders_are_valid_elsewhere() {
+    on_stage(|stage| {
+        for deferred in [false, true] {
+            stage.shoot(
+                |camera| {
+                    if deferred {
+                        camera.insert((DEFERRED, MotionVectorPrepass));
+                    }
+                },
+                |world| {
+                    let base = StandardMaterial {
+                        opaque_render_method: method(deferred),
+                        ..default()
+                    };
+                    show_fresco(world, lit(grid(), Vec3::ONE), base, default());
+                },
+            );
+        }
+        for device in &DEVICES {
+            let count = compose_for(stage, device);
+            println!("{}: {count} shaders are valid", device.name);
+            assert!(count >= 4 * device.extras.len());
+        }
+    });
+}
+
+/// Puts together all our shaders that have been drawn with; says how many were.
+fn compose_for(stage: &Stage, device: &Device) -> usize {
+    let app = stage.app();
+    let shaders = app.world().resource::<Assets<Shader>>();
+    let renderer = app.sub_app(RenderApp).world();
+    let downlevel = renderer.resource::<RenderAdapter>();
+    let downlevel = downlevel.get_downlevel_capabilities().flags;
+    let mut cache =
+        ShaderCache::<(), ()>::new((), WgpuFeatures::all(), downlevel, |_, _, _| Ok(()));
+    for (id, shader) in shaders.iter() {
+        let mut shader = shader.clone();
+        shader.shader_defs.push(ShaderDefVal::UInt(
+            "AVAILABLE_STORAGE_BUFFER_BINDINGS".into(),
+            device.storage_buffers,
+        ));
+        cache.set_shader(id, shader);
+    }
+    let mut count = 0;
+    for pipeline in renderer.resource::<PipelineCache>().pipelines() {
+        let PipelineDescriptor::RenderPipelineDescriptor(pipeline) = &pipeline.descriptor else {
+            continue;
+        };
+        let vertex = Some((&pipeline.vertex.shader, &pipeline.vertex.shader_defs));
+        let fragment = pipeline.fragment.as_ref();
+        let fragment = fragment.map(|f| (&f.shader, &f.shader_defs));
+        for (handle, defs) in [vertex, fragment].into_iter().flatten() {
+            let shader = shaders.get(handle).unwrap();
+            if !shader.path.starts_with("bevy_fresco/") {
+                continue;
+            }
+            for extra in device.extras {
+                let defs = definitions(defs, device, extra);
+                if let Err(error) = cache.get(0, handle.id(), &defs) {
+                    panic!("{}, {}, {extra:?}: {error:#?}", device.name, shader.path);
+                }
+                count += 1;
+            }
+        }
+    }
+    count
+}
+
+fn definitions(found: &[ShaderDefVal], device: &Device, extra: &[&str]) -> Vec<ShaderDefVal> {
+    let lacks = |def: &ShaderDefVal| matches!(def, ShaderDefVal::Bool(name, _) if device.lacks.contains(&name.as_str()));
+    let mut defs: Vec<_> = found.iter().filter(|def| !lacks(def)).cloned().collect();
+    defs.extend(device.has.iter().chain(extra).map(|name| (*name).into()));
+    if device.storage_buffers == 0 {
+        defs.push(ShaderDefVal::UInt(
+            "PER_OBJECT_BUFFER_BATCH_SIZE".into(),
+            64,
+        ));
+    }
+    defs
+}
