@@ -217,11 +217,13 @@ impl Slots<'_, '_> {
     }
 
     fn note_transmission(&mut self, file: &FileMaterial) {
-        for name in [
-            "KHR_materials_transmission",
-            "KHR_materials_diffuse_transmission",
+        let typed = (file.extensions.as_ref()).is_some_and(|e| e.transmission.is_some());
+        let diffuse = "KHR_materials_diffuse_transmission";
+        for (name, is_there) in [
+            ("KHR_materials_transmission", typed),
+            (diffuse, other_extension(file, diffuse).is_some()),
         ] {
-            if other_extension(file, name).is_some() {
+            if is_there {
                 self.notes.add(format!(
                     "Material {} lets light through ({name}), which is not simulated: it is taken \
                      as opaque.",
