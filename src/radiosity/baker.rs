@@ -132,7 +132,7 @@ impl Baker {
 
     /// The scene baked last once more, from nothing but the plan.
     #[cfg(test)]
-    pub(crate) fn from_scratch(&self) -> Option<(Bake, Stages)> {
+    pub(crate) fn scratch(&self) -> Option<(Bake, Stages)> {
         let kept = self.kept.as_ref()?;
         let start = Start {
             before: None,

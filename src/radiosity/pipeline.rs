@@ -1,12 +1,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use glam::{Vec3, Vec3A};
+use glam::{BVec3, DVec3, Vec3, Vec3A};
 
 use super::bake::BakeError;
 use super::baked::{Bake, ObjectLight};
 use super::bvh::BvhQuality;
 use super::change::Change;
+use super::color::divide;
 use super::direct::{Direct, DirectBefore, Sampler};
 use super::element::Elements;
 use super::emitter::Emitters;
@@ -410,13 +411,7 @@ impl<'a> Run<'a> {
             if same && old.solution.report.converged {
                 return Ok(old.solution.clone());
             }
-            let first = |e: usize| Vec3A::from(arrived[e] * elements.reflectance[e]);
-            let start = change.element_before.iter().enumerate();
-            let start = start.map(|(e, before)| match before {
-                Some(p) => old.solution.reflected[*p as usize],
-                None => first(e),
-            });
-            warm = Some(start.collect());
+            warm = Some(warm_start(old, change, elements, arrived));
         }
         self.stage(Stage::Solve, |run| {
             let observer = run.observer;
@@ -587,6 +582,27 @@ fn same_colors(scene: &ValidScene, before: Option<Before>) -> bool {
         let powers = |s: &ValidScene| s.lights.iter().map(|l| l.power).collect::<Vec<_>>();
         scene.sky == b.scene.sky && powers(scene) == powers(b.scene)
     })
+}
+
+/// The earlier solution, as much brighter or darker in each channel as the direct light is now;
+/// where there was none, light bounced once.
+fn warm_start(old: &Stages, change: &Change, elements: &Elements, arrived: &[Vec3]) -> Vec<Vec3A> {
+    let mean = |of: &Elements, light: &[Vec3]| {
+        let light: Vec<Vec3A> = light.iter().map(|&l| l.into()).collect();
+        of.mean(&light)
+    };
+    let was = mean(&old.elements, &old.arrived);
+    let is = mean(elements, arrived);
+    let scale = divide(is, was);
+    let was_lit = was.cmpgt(DVec3::max(is * 1e-6, DVec3::ZERO));
+    let at = |(e, before): (usize, &Option<u32>)| {
+        let first = arrived[e] * elements.reflectance[e];
+        let known = before.map_or(first, |p| {
+            Vec3::from(old.solution.reflected[p as usize]) * scale
+        });
+        Vec3::select(BVec3::new(was_lit.x, was_lit.y, was_lit.z), known, first).into()
+    };
+    change.element_before.iter().enumerate().map(at).collect()
 }
 
 /// Light and area of an object's front and back.
