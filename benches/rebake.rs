@@ -21,7 +21,7 @@ use common::{grey, quad, room};
 use glam::Vec3;
 
 const SETTINGS: BakeSettings = BakeSettings {
-    elements: 14_500,
+    elements: 11_500,
     element_rays: 256,
     ..BakeSettings::BALANCED
 };
