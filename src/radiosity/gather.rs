@@ -187,6 +187,12 @@ impl Gather<'_> {
             return t.bundle.clone();
         }
         let mut bundle = Bundle::default();
+        let rays = (patch.samples * self.settings.gather_rays) as usize;
+        bundle.ids.reserve_exact(rays);
+        bundle
+            .reaches
+            .reserve_exact(if self.remember { rays } else { 0 });
+        bundle.samples.reserve_exact(patch.samples as usize);
         for i in 0..patch.samples {
             let &(b, ref place) = patch.place(i);
             match known {

@@ -41,7 +41,7 @@
 //! | `form_factor` | rows of `F` as lists of ray hits |
 //! | `solve` | Gauss–Seidel with a mean-field correction |
 //! | `gather`, `gathered`, `fit` | irradiance inside triangles, fitted by vertex values |
-//! | `pipeline` | all of it, one stage after the other, each resumed where it can be |
+//! | `pipeline`, `stages` | all of it, one stage after the other, each resumed where it can be |
 //! | `bake`, `baker` | the doors: once, and again after every change |
 //! | `identity`, `change`, `bounds` | what differs from the scene before, and which rays it touched |
 //! | `findings`, `report` | what it cost and how good it is |
@@ -83,6 +83,7 @@ mod sampling;
 mod scene;
 mod settings;
 mod solve;
+mod stages;
 mod surface;
 mod texture;
 mod triangle;

@@ -13,7 +13,7 @@ use super::element::Elements;
 use super::emitter::Emitters;
 use super::emitter_tree::EmitterTree;
 use super::findings::Findings;
-use super::fit::{Fit, Smoothing, fit};
+use super::fit::{Fit, fit};
 use super::form_factor::{GONE, RowTracer, RowsBefore, Traced, trace};
 use super::gather::{Aids, Gather, GatherBefore, GatherCost, density};
 use super::gathered::{Gathered, Shining, TriangleSamples};
@@ -24,60 +24,9 @@ use super::receiver_mesh::{MeshesBefore, ReceiverMeshes};
 use super::report::Work;
 use super::settings::BakeSettings;
 use super::solve::{Solution, gauss_seidel};
+use super::stages::{Before, Plan, Stages, Start};
 use super::surface::{Pyramids, Surfaces};
 use super::validate::ValidScene;
-
-/// What the stages of a bake made, to be taken up by the next.
-#[derive(Clone)]
-pub(crate) struct Stages {
-    pyramids: Arc<Pyramids>,
-    elements: Arc<Elements>,
-    receivers: Arc<ReceiverMeshes>,
-    hierarchy: Arc<Hierarchy>,
-    pub(crate) traced: Arc<Traced>,
-    direct: Arc<Direct>,
-    /// Direct light at each element.
-    arrived: Arc<Vec<Vec3>>,
-    solution: Arc<Solution>,
-    gathered: Arc<Gathered>,
-    pub(crate) plan: Plan,
-}
-
-/// What a bake decides by looking at the whole scene, and a later bake of much the same scene does
-/// not decide anew: else a small change would move every element and every sample. All estimates
-/// stay unbiased with a plan that is not quite up to date.
-#[derive(Clone)]
-pub(crate) struct Plan {
-    /// Area of an element, in squared internal units.
-    pub(crate) target: f32,
-    /// Samples per square root of a triangle's area.
-    pub(crate) density: f32,
-    /// Emissive triangles to sample.
-    emitters: Arc<EmitterTree>,
-    /// Elements to sample for the light they reflect.
-    bright: Arc<EmitterTree>,
-    lit_from_behind: Vec<bool>,
-    smoothing: Smoothing,
-}
-
-/// An earlier bake: its scene and what it made.
-#[derive(Clone, Copy)]
-pub(crate) struct Before<'a> {
-    pub(crate) scene: &'a ValidScene,
-    pub(crate) settings: &'a BakeSettings,
-    pub(crate) stages: &'a Stages,
-}
-
-/// Where a bake starts from.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Start<'a> {
-    /// What is known already; nothing without it.
-    pub(crate) before: Option<Before<'a>>,
-    /// Decisions made already, for this very scene.
-    pub(crate) plan: Option<&'a Plan>,
-    /// Whether to note down what the next bake needs to resume.
-    pub(crate) remember: bool,
-}
 
 /// A bake on its way.
 struct Run<'a> {
@@ -629,32 +578,5 @@ fn object_light(receivers: &ReceiverMeshes, fitted: &Fit) -> Vec<ObjectLight> {
 impl From<Cancelled> for BakeError {
     fn from(_: Cancelled) -> Self {
         Self::Cancelled
-    }
-}
-
-impl Stages {
-    /// Whether rays and shadow rays of all samples found the same.
-    #[cfg(test)]
-    pub(crate) fn same_gathered(&self, other: &Self) -> bool {
-        let (a, b) = (&self.gathered.triangles, &other.gathered.triangles);
-        a.len() == b.len()
-            && a.iter().zip(b).all(|(a, b)| a.same(b))
-            && self.direct.same(&other.direct)
-    }
-
-    /// Bytes held.
-    pub(crate) fn bytes(&self) -> u64 {
-        self.pyramids.bytes()
-            + self.elements.bytes()
-            + self.receivers.bytes()
-            + self.hierarchy.bytes()
-            + self.traced.bytes()
-            + self.direct.bytes()
-            + size_of_val(&**self.arrived) as u64
-            + size_of_val(&*self.solution.arriving) as u64
-            + size_of_val(&*self.solution.reflected) as u64
-            + self.gathered.bytes()
-            + self.plan.emitters.bytes()
-            + self.plan.bright.bytes()
     }
 }
