@@ -1,6 +1,6 @@
 //! What a change costs beside a whole bake.
 //!
-//! A room of 10,000 elements with 256 rays each, blocks in it, a small lamp, a point light and the
+//! A room of some 10,000 elements with 256 rays each, blocks in it, a small lamp, a point light and the
 //! sun through an open side. Every change is timed several times between whole bakes of the same
 //! run, so that shares hold on a busy machine too. Run with
 //! `cargo bench --no-default-features --features gltf,parallel --bench rebake`.
@@ -21,7 +21,7 @@ use common::{grey, quad, room};
 use glam::Vec3;
 
 const SETTINGS: BakeSettings = BakeSettings {
-    elements: 10_000,
+    elements: 11_500,
     element_rays: 256,
     ..BakeSettings::BALANCED
 };
@@ -103,10 +103,10 @@ type Edit = fn(&mut Scene, f32);
 const EDITS: [(&str, Edit); 7] = [
     ("null", |_, _| ()),
     ("light colour", |s, x| {
-        s.lights[0].power.x = 500.0 + 100.0 * x
+        s.lights[0].power.x = 500.0 + 100.0 * x;
     }),
     ("reflectance", |s, x| {
-        s.materials[2].base_color.x = 0.2 + 0.1 * x
+        s.materials[2].base_color.x = 0.2 + 0.1 * x;
     }),
     ("light moved", |s, x| {
         s.lights[0].kind = LightKind::Point {

@@ -117,6 +117,21 @@ fn undo_gives_the_earlier_light() {
     assert!(noise(&back, &first) < 0.03, "{}", noise(&back, &first));
 }
 
+/// All light off, and back on: no glow is left over from before.
+#[test]
+fn switches_leave_nothing_behind() {
+    let mut baker = Baker::new(SETTINGS);
+    let first = baker.bake(lit_room(), &()).unwrap();
+    let mut s = lit_room();
+    s.lights[0].power = Vec3::ZERO;
+    s.materials[1].emissive = Vec3::ZERO;
+    let dark = baker.bake(s, &()).unwrap();
+    assert!(light(&dark).iter().all(|l| *l == Vec3::ZERO));
+    assert!(dark.report.solver.converged);
+    let back = baker.bake(lit_room(), &()).unwrap();
+    assert!(noise(&back, &first) < 0.03, "{}", noise(&back, &first));
+}
+
 #[test]
 fn settings_redo_what_they_change() {
     let mut baker = Baker::new(SETTINGS);

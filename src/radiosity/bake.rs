@@ -1,7 +1,8 @@
 use super::baked::Bake;
 use super::observer::Observer;
-use super::pipeline::{Start, run};
+use super::pipeline::run;
 use super::settings::{BakeSettings, InvalidSetting};
+use super::stages::Start;
 use super::validate::{SceneError, ValidScene};
 use crate::mesh::SplitError;
 

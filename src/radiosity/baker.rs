@@ -4,10 +4,11 @@ use super::bake::BakeError;
 use super::baked::{Bake, ObjectLight};
 use super::element::Elements;
 use super::observer::Observer;
-use super::pipeline::{Before, Stages, Start, run};
+use super::pipeline::run;
 use super::report::Work;
 use super::scene::Scene;
 use super::settings::BakeSettings;
+use super::stages::{Before, Stages, Start};
 use super::validate::{SceneError, ValidScene};
 
 /// Keeps what a bake found and redoes only what a change made stale.
@@ -132,7 +133,7 @@ impl Baker {
 
     /// The scene baked last once more, from nothing but the plan.
     #[cfg(test)]
-    pub(crate) fn from_scratch(&self) -> Option<(Bake, Stages)> {
+    pub(crate) fn scratch(&self) -> Option<(Bake, Stages)> {
         let kept = self.kept.as_ref()?;
         let start = Start {
             before: None,

@@ -200,7 +200,7 @@ fn noise(a: &Bake, b: &Bake) -> f32 {
 /// Holds what the baker resumed to against a bake from nothing with the same plan: each ray must
 /// have met the same, and vertex light must agree within the solver's tolerance.
 fn check(baker: &Baker, resumed: &Bake, what: &str) {
-    let (scratch, stages) = baker.from_scratch().unwrap();
+    let (scratch, stages) = baker.scratch().unwrap();
     assert!(
         baker.stages().unwrap().traced.hits() == stages.traced.hits(),
         "{what}: rays of elements differ"
@@ -297,7 +297,7 @@ const EDITS: [(&str, Edit, Did); 29] = [
                     },
                     ..Light::default()
                 },
-            )
+            );
         },
         lights_only,
     ),
@@ -383,7 +383,7 @@ const EDITS: [(&str, Edit, Did); 29] = [
         "object added",
         |s| {
             s.objects
-                .insert(2, cube(10, Vec3::new(2.2, 1.4, 0.8), 0.4, 0))
+                .insert(2, cube(10, Vec3::new(2.2, 1.4, 0.8), 0.4, 0));
         },
         some_rays,
     ),

@@ -111,13 +111,13 @@ impl Sampler<'_> {
         rays: &mut ShadowRays,
     ) -> AtElement {
         let kept = before.and_then(|b| Some((b, b.change.element_before[e]? as usize)));
-        let sphere = self.elements.sphere(self.scene, ElementId(e as u32));
+        let sphere = || self.elements.sphere(self.scene, ElementId(e as u32));
         let reached = self.scene.lights.iter().enumerate().map(|(l, light)| {
             if !wanted[l] {
                 return 0.0;
             }
             let known = kept.and_then(|(b, old)| b.light(l, old));
-            let still = |b: &DirectBefore| !crosses(&b.change.disturbed, light, sphere);
+            let still = |b: &DirectBefore| !crosses(&b.change.disturbed, light, sphere());
             match (known, kept) {
                 (Some(value), Some((b, _))) if still(b) => value,
                 _ => self.reached(e, l, light, &mut rays.lights),
@@ -125,7 +125,7 @@ impl Sampler<'_> {
         });
         let reached = reached.collect();
         let still = |b: &DirectBefore| {
-            !b.new_emitters && !self.emitters.tree.disturbed(&b.change.disturbed, sphere)
+            !b.new_emitters && !self.emitters.tree.disturbed(&b.change.disturbed, sphere())
         };
         let sampled = match kept {
             Some((b, old)) if still(b) => b.sampled(old),

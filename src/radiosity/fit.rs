@@ -75,10 +75,10 @@ pub(crate) fn fit(
     let mut whole = vec![Vec3::ZERO; unknowns];
     let mut difference = vec![Vec3::ZERO; unknowns];
     let mut lambda = known.map_or([0.0; 2], |k| k.lambda);
-    for kind in 0..LEAST.len() {
+    for (kind, lambda) in lambda.iter_mut().enumerate() {
         if known.is_none() {
             let chosen = choose_smoothing(triangles, unknowns, kind, go_on)?;
-            lambda[kind] = chosen.lambda;
+            *lambda = chosen.lambda;
             for (i, sum) in difference.iter_mut().enumerate() {
                 *sum += chosen.fits[0][i] - chosen.fits[1][i];
             }
@@ -86,7 +86,7 @@ pub(crate) fn fit(
         if !go_on() {
             return Err(Cancelled);
         }
-        let solved = solve(triangles, unknowns, &[0, 1], kind, lambda[kind]);
+        let solved = solve(triangles, unknowns, &[0, 1], kind, *lambda);
         for (sum, light) in whole.iter_mut().zip(solved) {
             *sum += light;
         }

@@ -1,3 +1,4 @@
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -103,6 +104,7 @@ struct Patch<'a> {
     live: u32,
     samples: u32,
     seed: u32,
+    places: OnceCell<Vec<(Vec3, Place)>>,
 }
 
 impl Gather<'_> {
@@ -169,6 +171,7 @@ impl Gather<'_> {
             live,
             samples: (2 * pairs).clamp(2, MAX_SAMPLES),
             seed: hash(triangle as u32, salt),
+            places: OnceCell::new(),
         })
     }
 
@@ -184,17 +187,23 @@ impl Gather<'_> {
             return t.bundle.clone();
         }
         let mut bundle = Bundle::default();
+        let rays = (patch.samples * self.settings.gather_rays) as usize;
+        bundle.ids.reserve_exact(rays);
+        bundle
+            .reaches
+            .reserve_exact(if self.remember { rays } else { 0 });
+        bundle.samples.reserve_exact(patch.samples as usize);
         for i in 0..patch.samples {
-            let (b, place) = patch.place(i);
+            let &(b, ref place) = patch.place(i);
             match known {
                 None => {
                     let rays = self.settings.gather_rays;
                     for k in 0..rays {
-                        self.ray(patch, &place, i * rays + k, &mut bundle, traced);
+                        self.ray(patch, place, i * rays + k, &mut bundle, traced);
                     }
                 }
                 Some((before, t)) => {
-                    self.rays_again(patch, &place, i, (before, &t.bundle), &mut bundle, traced);
+                    self.rays_again(patch, place, i, (before, &t.bundle), &mut bundle, traced);
                 }
             }
             bundle.close(b, self.settings.gather_rays as usize);
@@ -315,8 +324,8 @@ impl Gather<'_> {
         let seed = hash(patch.seed, light_seed(self.scene, l));
         let mut sum = Share::default();
         for i in bundle.valid() {
-            let (b, place) = patch.place(i);
-            let receiver = patch.receiver(&place);
+            let &(b, ref place) = patch.place(i);
+            let receiver = patch.receiver(place);
             let light = &self.scene.lights[l];
             let brings = illumination(light, &self.occluders, &receiver, (seed, i), rays);
             sum += patch.share(i, b * brings);
@@ -341,9 +350,9 @@ impl Gather<'_> {
         };
         if !from.tree.leaves.is_empty() {
             for i in bundle.valid() {
-                let (b, place) = patch.place(i);
+                let &(b, ref place) = patch.place(i);
                 let block = i * from.samples..(i + 1) * from.samples;
-                let receiver = patch.receiver(&place);
+                let receiver = patch.receiver(place);
                 *rays += from.sample(
                     self.elements,
                     &self.occluders,
@@ -394,13 +403,15 @@ impl<'a> GatherBefore<'a> {
 
 impl Patch<'_> {
     /// Sample `i`: weights of the corners, and the place.
-    fn place(&self, i: u32) -> (Vec3, Place) {
-        let [u, v, ..] = sobol(i, 0, self.seed);
-        let b = triangle_point(u, v);
-        (
-            b,
-            Place::new(self.mesh, self.triangle, b, self.normal, self.side),
-        )
+    fn place(&self, i: u32) -> &(Vec3, Place) {
+        let place = |i| {
+            let [u, v, ..] = sobol(i, 0, self.seed);
+            let b = triangle_point(u, v);
+            let place = Place::new(self.mesh, self.triangle, b, self.normal, self.side);
+            (b, place)
+        };
+        let places = (self.places).get_or_init(|| (0..self.samples).map(place).collect());
+        &places[i as usize]
     }
 
     fn receiver(&self, place: &Place) -> Receiver {

@@ -15,6 +15,16 @@
 //!   └───────────────────────────────┘
 //! ```
 //!
+//! A [`Baker`] bakes again after a change. Rays depend on where things are, not on their colours,
+//! so stages keep geometry and light apart: a row of hits, a light's effect at power 1, an
+//! emitter's at radiance 1; colours are put in last.
+//!
+//! ```text
+//!   view, nothing ─► ·            light moved ─► its shadow rays ─┐
+//!   light's colour, emission's, reflectance ──────────────────────┴─► solve ─► put in ─► fit
+//!   object moved ─► rays from it, onto it, past it ───────────────┘
+//! ```
+//!
 //! All quantities are radiances (divided by π): `H` is irradiance / π, `R` is radiosity / π.
 //!
 //! The rooms, in the order a [`bake`] passes them:
@@ -25,12 +35,15 @@
 //! | `surface`, `texture` | reflectance, emission and transparency of any point |
 //! | `receiver_mesh` | the meshes that carry light, split and welded |
 //! | `element`, `grouping` | the pieces of surface the system is solved on |
-//! | `occlusion` | rays against the input triangles |
-//! | `emitter`, `emitter_tree`, `direct` | light that arrives without a bounce |
+//! | `bvh`, `occlusion` | rays against the input triangles |
+//! | `emitter`, `emitter_tree` | emissive surfaces, sampled |
+//! | `illumination`, `direct` | light that arrives without a bounce |
 //! | `form_factor` | rows of `F` as lists of ray hits |
 //! | `solve` | Gauss–Seidel with a mean-field correction |
-//! | `gather`, `fit` | irradiance inside triangles, fitted by vertex values |
-//! | `bake` | all of it, in one function |
+//! | `gather`, `gathered`, `fit` | irradiance inside triangles, fitted by vertex values |
+//! | `pipeline`, `stages` | all of it, one stage after the other, each resumed where it can be |
+//! | `bake`, `baker` | the doors: once, and again after every change |
+//! | `identity`, `change`, `bounds` | what differs from the scene before, and which rays it touched |
 //! | `findings`, `report` | what it cost and how good it is |
 //! | `estimate` | what it will cost |
 //! | `preview` | a picture to judge it by |
@@ -70,6 +83,7 @@ mod sampling;
 mod scene;
 mod settings;
 mod solve;
+mod stages;
 mod surface;
 mod texture;
 mod triangle;

@@ -1,18 +1,19 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use glam::{Vec3, Vec3A};
+use glam::{BVec3, DVec3, Vec3, Vec3A};
 
 use super::bake::BakeError;
 use super::baked::{Bake, ObjectLight};
 use super::bvh::BvhQuality;
 use super::change::Change;
+use super::color::divide;
 use super::direct::{Direct, DirectBefore, Sampler};
 use super::element::Elements;
 use super::emitter::Emitters;
 use super::emitter_tree::EmitterTree;
 use super::findings::Findings;
-use super::fit::{Fit, Smoothing, fit};
+use super::fit::{Fit, fit};
 use super::form_factor::{GONE, RowTracer, RowsBefore, Traced, trace};
 use super::gather::{Aids, Gather, GatherBefore, GatherCost, density};
 use super::gathered::{Gathered, Shining, TriangleSamples};
@@ -23,60 +24,9 @@ use super::receiver_mesh::{MeshesBefore, ReceiverMeshes};
 use super::report::Work;
 use super::settings::BakeSettings;
 use super::solve::{Solution, gauss_seidel};
+use super::stages::{Before, Plan, Stages, Start};
 use super::surface::{Pyramids, Surfaces};
 use super::validate::ValidScene;
-
-/// What the stages of a bake made, to be taken up by the next.
-#[derive(Clone)]
-pub(crate) struct Stages {
-    pyramids: Arc<Pyramids>,
-    elements: Arc<Elements>,
-    receivers: Arc<ReceiverMeshes>,
-    hierarchy: Arc<Hierarchy>,
-    pub(crate) traced: Arc<Traced>,
-    direct: Arc<Direct>,
-    /// Direct light at each element.
-    arrived: Arc<Vec<Vec3>>,
-    solution: Arc<Solution>,
-    gathered: Arc<Gathered>,
-    pub(crate) plan: Plan,
-}
-
-/// What a bake decides by looking at the whole scene, and a later bake of much the same scene does
-/// not decide anew: else a small change would move every element and every sample. All estimates
-/// stay unbiased with a plan that is not quite up to date.
-#[derive(Clone)]
-pub(crate) struct Plan {
-    /// Area of an element, in squared internal units.
-    pub(crate) target: f32,
-    /// Samples per square root of a triangle's area.
-    pub(crate) density: f32,
-    /// Emissive triangles to sample.
-    emitters: Arc<EmitterTree>,
-    /// Elements to sample for the light they reflect.
-    bright: Arc<EmitterTree>,
-    lit_from_behind: Vec<bool>,
-    smoothing: Smoothing,
-}
-
-/// An earlier bake: its scene and what it made.
-#[derive(Clone, Copy)]
-pub(crate) struct Before<'a> {
-    pub(crate) scene: &'a ValidScene,
-    pub(crate) settings: &'a BakeSettings,
-    pub(crate) stages: &'a Stages,
-}
-
-/// Where a bake starts from.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Start<'a> {
-    /// What is known already; nothing without it.
-    pub(crate) before: Option<Before<'a>>,
-    /// Decisions made already, for this very scene.
-    pub(crate) plan: Option<&'a Plan>,
-    /// Whether to note down what the next bake needs to resume.
-    pub(crate) remember: bool,
-}
 
 /// A bake on its way.
 struct Run<'a> {
@@ -410,13 +360,7 @@ impl<'a> Run<'a> {
             if same && old.solution.report.converged {
                 return Ok(old.solution.clone());
             }
-            let first = |e: usize| Vec3A::from(arrived[e] * elements.reflectance[e]);
-            let start = change.element_before.iter().enumerate();
-            let start = start.map(|(e, before)| match before {
-                Some(p) => old.solution.reflected[*p as usize],
-                None => first(e),
-            });
-            warm = Some(start.collect());
+            warm = Some(warm_start(old, change, elements, arrived));
         }
         self.stage(Stage::Solve, |run| {
             let observer = run.observer;
@@ -589,6 +533,27 @@ fn same_colors(scene: &ValidScene, before: Option<Before>) -> bool {
     })
 }
 
+/// The earlier solution, as much brighter or darker in each channel as the direct light is now;
+/// where there was none, light bounced once.
+fn warm_start(old: &Stages, change: &Change, elements: &Elements, arrived: &[Vec3]) -> Vec<Vec3A> {
+    let mean = |of: &Elements, light: &[Vec3]| {
+        let light: Vec<Vec3A> = light.iter().map(|&l| l.into()).collect();
+        of.mean(&light)
+    };
+    let was = mean(&old.elements, &old.arrived);
+    let is = mean(elements, arrived);
+    let scale = divide(is, was);
+    let was_lit = was.cmpgt(DVec3::max(is * 1e-6, DVec3::ZERO));
+    let at = |(e, before): (usize, &Option<u32>)| {
+        let first = arrived[e] * elements.reflectance[e];
+        let known = before.map_or(first, |p| {
+            Vec3::from(old.solution.reflected[p as usize]) * scale
+        });
+        Vec3::select(BVec3::new(was_lit.x, was_lit.y, was_lit.z), known, first).into()
+    };
+    change.element_before.iter().enumerate().map(at).collect()
+}
+
 /// Light and area of an object's front and back.
 fn sides_light(elements: &Elements, object: usize, solution: &Solution) -> [(f64, f64); 2] {
     let mut sums = [(0.0, 0.0); 2];
@@ -613,32 +578,5 @@ fn object_light(receivers: &ReceiverMeshes, fitted: &Fit) -> Vec<ObjectLight> {
 impl From<Cancelled> for BakeError {
     fn from(_: Cancelled) -> Self {
         Self::Cancelled
-    }
-}
-
-impl Stages {
-    /// Whether rays and shadow rays of all samples found the same.
-    #[cfg(test)]
-    pub(crate) fn same_gathered(&self, other: &Self) -> bool {
-        let (a, b) = (&self.gathered.triangles, &other.gathered.triangles);
-        a.len() == b.len()
-            && a.iter().zip(b).all(|(a, b)| a.same(b))
-            && self.direct.same(&other.direct)
-    }
-
-    /// Bytes held.
-    pub(crate) fn bytes(&self) -> u64 {
-        self.pyramids.bytes()
-            + self.elements.bytes()
-            + self.receivers.bytes()
-            + self.hierarchy.bytes()
-            + self.traced.bytes()
-            + self.direct.bytes()
-            + size_of_val(&**self.arrived) as u64
-            + size_of_val(&*self.solution.arriving) as u64
-            + size_of_val(&*self.solution.reflected) as u64
-            + self.gathered.bytes()
-            + self.plan.emitters.bytes()
-            + self.plan.bright.bytes()
     }
 }

@@ -18,7 +18,8 @@ pub struct Report {
     /// How the linear system was solved.
     pub solver: SolverReport,
     /// Sampling error of the vertex light, relative RMS, estimated from two half-sets of samples
-    /// fitted separately.
+    /// fitted separately. A bake that only put other colours into the samples of the one before it
+    /// repeats that one's estimate.
     pub sampling_error: f32,
     /// Area-weighted mean of the stored light (irradiance / π), luminance in cd/m².
     pub mean_light: f32,

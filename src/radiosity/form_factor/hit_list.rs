@@ -160,6 +160,7 @@ pub(crate) fn trace(
     let count = tracer.elements.len();
     let chunks = map_ranges(count, CHUNK, Stage::FormFactors, observer, |range| {
         let mut rows = Rows::default();
+        rows.ids.reserve_exact(range.len() * tracer.rays as usize);
         for e in range {
             let met = rows.met.len();
             let kept = before.and_then(|b| Some((b, b.change.element_before[e]?)));

@@ -1,0 +1,95 @@
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::direct::Direct;
+use super::element::Elements;
+use super::emitter_tree::EmitterTree;
+use super::fit::Smoothing;
+use super::form_factor::Traced;
+use super::gathered::Gathered;
+use super::occlusion::Hierarchy;
+use super::receiver_mesh::ReceiverMeshes;
+use super::settings::BakeSettings;
+use super::solve::Solution;
+use super::surface::Pyramids;
+use super::validate::ValidScene;
+
+/// What the stages of a bake made, to be taken up by the next.
+#[derive(Clone)]
+pub(crate) struct Stages {
+    pub(crate) pyramids: Arc<Pyramids>,
+    pub(crate) elements: Arc<Elements>,
+    pub(crate) receivers: Arc<ReceiverMeshes>,
+    pub(crate) hierarchy: Arc<Hierarchy>,
+    pub(crate) traced: Arc<Traced>,
+    pub(crate) direct: Arc<Direct>,
+    /// Direct light at each element.
+    pub(crate) arrived: Arc<Vec<Vec3>>,
+    pub(crate) solution: Arc<Solution>,
+    pub(crate) gathered: Arc<Gathered>,
+    pub(crate) plan: Plan,
+}
+
+/// What a bake decides by looking at the whole scene, and a later bake of much the same scene does
+/// not decide anew: else a small change would move every element and every sample. All estimates
+/// stay unbiased with a plan that is not quite up to date.
+#[derive(Clone)]
+pub(crate) struct Plan {
+    /// Area of an element, in squared internal units.
+    pub(crate) target: f32,
+    /// Samples per square root of a triangle's area.
+    pub(crate) density: f32,
+    /// Emissive triangles to sample.
+    pub(crate) emitters: Arc<EmitterTree>,
+    /// Elements to sample for the light they reflect.
+    pub(crate) bright: Arc<EmitterTree>,
+    pub(crate) lit_from_behind: Vec<bool>,
+    pub(crate) smoothing: Smoothing,
+}
+
+/// An earlier bake: its scene and what it made.
+#[derive(Clone, Copy)]
+pub(crate) struct Before<'a> {
+    pub(crate) scene: &'a ValidScene,
+    pub(crate) settings: &'a BakeSettings,
+    pub(crate) stages: &'a Stages,
+}
+
+/// Where a bake starts from.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Start<'a> {
+    /// What is known already; nothing without it.
+    pub(crate) before: Option<Before<'a>>,
+    /// Decisions made already, for this very scene.
+    pub(crate) plan: Option<&'a Plan>,
+    /// Whether to note down what the next bake needs to resume.
+    pub(crate) remember: bool,
+}
+
+impl Stages {
+    /// Whether rays and shadow rays of all samples found the same.
+    #[cfg(test)]
+    pub(crate) fn same_gathered(&self, other: &Self) -> bool {
+        let (a, b) = (&self.gathered.triangles, &other.gathered.triangles);
+        a.len() == b.len()
+            && a.iter().zip(b).all(|(a, b)| a.same(b))
+            && self.direct.same(&other.direct)
+    }
+
+    /// Bytes held.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.pyramids.bytes()
+            + self.elements.bytes()
+            + self.receivers.bytes()
+            + self.hierarchy.bytes()
+            + self.traced.bytes()
+            + self.direct.bytes()
+            + size_of_val(&**self.arrived) as u64
+            + size_of_val(&*self.solution.arriving) as u64
+            + size_of_val(&*self.solution.reflected) as u64
+            + self.gathered.bytes()
+            + self.plan.emitters.bytes()
+            + self.plan.bright.bytes()
+    }
+}
