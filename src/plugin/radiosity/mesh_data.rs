@@ -29,13 +29,13 @@ pub(super) enum MeshProblem {
     NoSurface,
 }
 
-/// Whether a mesh can be baked, at next to no cost.
+/// Whether a mesh can be baked.
 pub(super) fn check(mesh: &Mesh) -> Result<(), MeshProblem> {
     if mesh.try_attributes().is_err() || mesh.try_indices_option().is_err() {
         return Err(MeshProblem::NotInMainWorld);
     }
     let position = mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION);
-    if !matches!(position, Ok(Some(values)) if lanes(values) >= 3) {
+    if !matches!(position, Ok(Some(p)) if floats(p).is_some_and(|p| p.lanes >= 3)) {
         return Err(MeshProblem::NoPositions);
     }
     match mesh.primitive_topology() {
@@ -161,22 +161,6 @@ fn floats(values: &VertexAttributeValues) -> Option<Floats> {
         V::Snorm16(v) => widen(&singles(v), snorm16),
         _ => return None,
     })
-}
-
-/// Floats a vertex; 0 for integers.
-fn lanes(values: &VertexAttributeValues) -> usize {
-    use VertexAttributeValues as V;
-    match values {
-        V::Float32(_) | V::Float16(_) | V::Float64(_) => 1,
-        V::Unorm8(_) | V::Snorm8(_) | V::Unorm16(_) | V::Snorm16(_) => 1,
-        V::Float32x2(_) | V::Float16x2(_) | V::Float64x2(_) => 2,
-        V::Unorm8x2(_) | V::Snorm8x2(_) | V::Unorm16x2(_) | V::Snorm16x2(_) => 2,
-        V::Float32x3(_) | V::Float64x3(_) => 3,
-        V::Float32x4(_) | V::Float16x4(_) | V::Float64x4(_) => 4,
-        V::Unorm8x4(_) | V::Snorm8x4(_) | V::Unorm16x4(_) | V::Snorm16x4(_) => 4,
-        V::Unorm8x4Bgra(_) | V::Unorm10_10_10_2(_) => 4,
-        _ => 0,
-    }
 }
 
 fn singles<T: Copy>(v: &[T]) -> Vec<[T; 1]> {

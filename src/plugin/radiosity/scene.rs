@@ -4,7 +4,6 @@ use bevy::math::Affine3A;
 use bevy::mesh::UvChannel;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
-use glam::Mat3A;
 
 use super::assets::Copy;
 use super::mesh_data::{self, MeshData, MeshProblem};
@@ -83,7 +82,7 @@ pub(super) fn extract(
 
 fn object(found: &FoundObject, name: String, data: MeshData, material: MaterialId) -> Object {
     let to_world = found.transform;
-    let normals_to_world = Mat3A::from(to_world.matrix3).inverse().transpose();
+    let normals_to_world = to_world.matrix3.inverse().transpose();
     let mut triangles = data.triangles;
     // A mirrored mesh is wound the other way round in the world; its front is where its normals point.
     if mirrored(&to_world) {
@@ -201,10 +200,9 @@ fn adds_light(mode: bevy::prelude::AlphaMode) -> bool {
 fn alpha(mode: bevy::prelude::AlphaMode) -> AlphaMode {
     use bevy::prelude::AlphaMode as Bevy;
     match mode {
-        Bevy::Opaque => AlphaMode::Opaque,
+        Bevy::Opaque | Bevy::Add | Bevy::Multiply => AlphaMode::Opaque,
         Bevy::Mask(cutoff) => AlphaMode::Mask(cutoff),
         // Coverage is decided a sample at a time: on average it is the alpha.
         Bevy::Blend | Bevy::Premultiplied | Bevy::AlphaToCoverage => AlphaMode::Blend,
-        Bevy::Add | Bevy::Multiply => AlphaMode::Opaque,
     }
 }

@@ -60,7 +60,7 @@ impl Default for RadiositySettings {
 
 /// What reflection sees of [`BakeSettings`].
 #[reflect_remote(BakeSettings)]
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub struct BakeSettingsReflect {
     pub max_edge: Option<f32>,
@@ -73,10 +73,4 @@ pub struct BakeSettingsReflect {
     pub max_sweeps: u32,
     pub max_reflectance: f32,
     pub seed: u32,
-}
-
-impl Default for BakeSettingsReflect {
-    fn default() -> Self {
-        Self(BakeSettings::default())
-    }
 }

@@ -1,4 +1,5 @@
 //! One glTF file read by Bevy's loader and by this crate's own gives the same scene and the same light.
+#![allow(clippy::unwrap_used, reason = "tests")]
 
 use std::mem::discriminant;
 use std::path::Path;
@@ -202,7 +203,7 @@ fn check_lights(file: &[Light], bevy: &[Light]) {
         let b = bevy.iter().find(same).unwrap();
         match (a.kind, b.kind) {
             (LightKind::Directional { direction: d }, LightKind::Directional { direction: e }) => {
-                assert!(d.normalize().abs_diff_eq(e, 1e-5), "{d} {e}")
+                assert!(d.normalize().abs_diff_eq(e, 1e-5), "{d} {e}");
             }
             (
                 LightKind::Point { position: p, range },
