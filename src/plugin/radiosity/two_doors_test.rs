@@ -118,7 +118,7 @@ fn by_file(path: &str) -> Scene {
     gltf::load(&path).unwrap().scene
 }
 
-/// Puts the plugin's objects into the file's order: rays are drawn by an object's place.
+/// Gives the plugin's objects the file's order and keys: rays are drawn by them.
 fn in_order_of(file: &Scene, mut bevy: Scene) -> Scene {
     let mut left = std::mem::take(&mut bevy.objects);
     for wanted in &file.objects {
@@ -126,7 +126,10 @@ fn in_order_of(file: &Scene, mut bevy: Scene) -> Scene {
             .iter()
             .position(|o| same_geometry(o, wanted))
             .unwrap_or_else(|| panic!("{} is not among {:?}", wanted.name, names(&left)));
-        bevy.objects.push(left.remove(found));
+        bevy.objects.push(Object {
+            key: wanted.key,
+            ..left.remove(found)
+        });
     }
     assert!(left.is_empty(), "{:?}", names(&left));
     bevy
