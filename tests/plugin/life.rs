@@ -2,14 +2,15 @@
 
 use std::time::Duration;
 
+use bevy::diagnostic::{Diagnostic, DiagnosticsStore};
 use bevy::prelude::*;
 use bevy_fresco::plugin::radiosity::{
     BakeFailed, BakeFinished, BakeStarted, BakeState, BakedLighting, CancelBake, NoStaticLighting,
-    NotBaked, RadiositySettings, StaticLighting,
+    NotBaked, RadiosityDiagnostics, RadiositySettings, StaticLighting,
 };
-use bevy_fresco::radiosity::BakeSettings;
+use bevy_fresco::radiosity::{BakeSettings, Stage};
 
-use crate::world::{Room, bare_app, difference, is_moved, material, mesh, settle};
+use crate::world::{Room, bare_app, difference, is_moved, light, material, mesh, quads, settle};
 
 #[test]
 fn five_hundred_frames_without_a_scene() {
@@ -268,6 +269,98 @@ fn what_cannot_be_baked_says_why() {
     room.settle();
     assert!(room.app.world().get::<NotBaked>(bare).is_none());
     assert!(room.app.world().get::<BakedLighting>(bare).is_some());
+}
+
+#[test]
+fn a_mesh_for_the_renderer_alone_says_so() {
+    let mut room = Room::new();
+    let root = room.root;
+    let mut gone = Mesh::from(Cuboid::default());
+    gone.asset_usage = bevy::asset::RenderAssetUsages::RENDER_WORLD;
+    let gone = mesh(room.world(), gone);
+    let white = material(room.world(), Color::WHITE);
+    let entity = (Mesh3d(gone), MeshMaterial3d(white), ChildOf(root));
+    let entity = room.world().spawn(entity).id();
+    room.settle();
+    let reason = &room.app.world().get::<NotBaked>(entity).unwrap().reason;
+    assert!(reason.contains("MAIN_WORLD"), "{reason}");
+}
+
+#[test]
+fn a_clone_has_light_of_its_own() {
+    let mut room = Room::lit();
+    let block = room.block;
+    let twin = room.world().entity_mut(block).clone_and_spawn();
+    room.edit::<Transform>(twin, |t| t.translation = Vec3::new(-0.6, -0.65, 0.5));
+    room.settle();
+    let lit = |e| {
+        let baked = room.app.world().get::<BakedLighting>(e).unwrap();
+        baked.lit.clone()
+    };
+    assert_ne!(lit(block), lit(twin));
+    assert_eq!(room.light(block).len(), room.light(twin).len());
+    assert_ne!(room.light(block), room.light(twin));
+}
+
+#[test]
+fn an_emissive_surface_lights_as_brightly_as_it_looks() {
+    for weight in [0.0, 0.25, 1.0] {
+        let mut app = bare_app();
+        let world = app.world_mut();
+        let glow = world
+            .resource_mut::<Assets<StandardMaterial>>()
+            .add(StandardMaterial {
+                base_color: Color::BLACK,
+                emissive: LinearRgba::rgb(1.0, 0.5, 0.25),
+                emissive_exposure_weight: weight,
+                ..default()
+            });
+        let white = material(world, Color::WHITE);
+        // A ceiling so wide that a tile on the floor sees nothing else.
+        let above = mesh(world, quads(&[(Vec3::Y, Vec3::X * 200.0, Vec3::Z * 200.0)]));
+        let tile = mesh(world, quads(&[(Vec3::ZERO, Vec3::X, Vec3::NEG_Z)]));
+        world.spawn((
+            Mesh3d(above),
+            MeshMaterial3d(glow),
+            StaticLighting::default(),
+        ));
+        let tile = (
+            Mesh3d(tile),
+            MeshMaterial3d(white),
+            StaticLighting::default(),
+        );
+        let tile = world.spawn(tile).id();
+        world.resource_mut::<RadiositySettings>().bake.max_edge = None;
+        settle(&mut app);
+        // Bevy shows emissive light times this, and baked light times the exposure.
+        let exposure = bevy::camera::Exposure::default().exposure();
+        let shown = Vec3::new(1.0, 0.5, 0.25) * (1.0 + (exposure - 1.0) * weight);
+        for light in light(&app, tile) {
+            let gap = (light * exposure - shown).length();
+            assert!(
+                gap < 0.01 * shown.length(),
+                "{weight}: {} {shown}",
+                light * exposure
+            );
+        }
+    }
+}
+
+#[test]
+fn a_bake_is_measured() {
+    let mut room = Room::lit();
+    room.app.add_plugins(bevy::diagnostic::DiagnosticsPlugin);
+    room.edit::<Transform>(room.block, |t| t.translation.x = -0.4);
+    room.settle();
+    room.app.update();
+    let measured = room.app.world().resource::<DiagnosticsStore>();
+    let value = |path| measured.get(&path).and_then(Diagnostic::value).unwrap();
+    let gather = value(RadiosityDiagnostics::stage(Stage::Gather));
+    assert!(gather > 0.0 && value(RadiosityDiagnostics::TOTAL) >= gather);
+    assert!(value(RadiosityDiagnostics::RAYS) > 0.0);
+    let vertices = room.report().counts.vertices;
+    assert_eq!(value(RadiosityDiagnostics::VERTICES), vertices as f64);
+    assert!(value(RadiosityDiagnostics::MAIN_THREAD) >= 0.0);
 }
 
 #[test]

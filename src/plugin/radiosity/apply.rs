@@ -2,7 +2,7 @@ use std::time::Instant;
 
 use bevy::prelude::*;
 
-use super::assets::mesh_version;
+use super::assets::{Copies, mesh_version};
 use super::components::{BakedLighting, InEffect};
 use super::drive::Bakery;
 use super::job::NewLight;
@@ -24,12 +24,13 @@ pub(super) fn apply(
     mut commands: Commands,
     mut bakery: ResMut<Bakery>,
     settings: Res<RadiositySettings>,
+    copies: Res<Copies>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut entities: Lit,
 ) {
     let since = Instant::now();
     while let Some(light) = bakery.to_apply.pop_front() {
-        put(light, &mut commands, &mut meshes, &mut entities);
+        put(light, &mut commands, &copies, &mut meshes, &mut entities);
         if since.elapsed() > settings.apply_budget {
             break;
         }
@@ -37,7 +38,13 @@ pub(super) fn apply(
 }
 
 /// Gives one entity its light, if it is still there, static and of the same mesh.
-fn put(light: NewLight, commands: &mut Commands, meshes: &mut Assets<Mesh>, entities: &mut Lit) {
+fn put(
+    light: NewLight,
+    commands: &mut Commands,
+    copies: &Copies,
+    meshes: &mut Assets<Mesh>,
+    entities: &mut Lit,
+) {
     let Ok((effect, mut mesh, baked)) = entities.get_mut(light.entity) else {
         return;
     };
@@ -45,10 +52,7 @@ fn put(light: NewLight, commands: &mut Commands, meshes: &mut Assets<Mesh>, enti
         Some(baked) if baked.lit == mesh.0 => baked.source.id(),
         _ => mesh.id(),
     };
-    let same = source == light.source
-        && meshes
-            .get(source)
-            .is_some_and(|m| mesh_version(m) == light.source_version);
+    let same = source == light.source && copies.mesh_version(source) == Some(light.source_version);
     if !effect.0.receives || !same {
         return;
     }

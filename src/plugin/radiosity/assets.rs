@@ -85,6 +85,11 @@ impl Copies {
         }
     }
 
+    /// The version of a mesh that was looked at and is fit for baking.
+    pub(super) fn mesh_version(&self, id: AssetId<Mesh>) -> Option<u64> {
+        Some(self.meshes.get(&id)?.as_ref().ok()?.version)
+    }
+
     pub(super) fn bytes(&self) -> u64 {
         let images = self
             .images

@@ -68,7 +68,10 @@ pub struct OriginalMaterial(pub Handle<StandardMaterial>);
 /// `Mesh3d` of such an entity is a copy of its own with
 /// [`ATTRIBUTE_BAKED_LIGHT`](crate::plugin::ATTRIBUTE_BAKED_LIGHT). To give it another mesh, set
 /// `Mesh3d`; to edit it, edit the source. The source is put back when the entity stops being static.
+///
+/// A clone of the entity does not get this component: it starts anew, with the copy as its source.
 #[derive(Component, Reflect, Clone, Debug)]
+#[component(clone_behavior = Ignore)]
 #[reflect(Component, Debug, Clone)]
 pub struct BakedLighting {
     /// The mesh as it was, without light.

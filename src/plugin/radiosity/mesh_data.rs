@@ -1,3 +1,4 @@
+use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 
@@ -31,7 +32,9 @@ pub(super) enum MeshProblem {
 
 /// Whether a mesh can be baked.
 pub(super) fn check(mesh: &Mesh) -> Result<(), MeshProblem> {
-    if mesh.try_attributes().is_err() || mesh.try_indices_option().is_err() {
+    // What is only meant for the renderer may be gone in the next frame.
+    let stays = mesh.asset_usage.contains(RenderAssetUsages::MAIN_WORLD);
+    if !stays || mesh.try_attributes().is_err() || mesh.try_indices_option().is_err() {
         return Err(MeshProblem::NotInMainWorld);
     }
     let position = mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION);
