@@ -349,7 +349,6 @@ fn an_emissive_surface_lights_as_brightly_as_it_looks() {
 #[test]
 fn a_bake_is_measured() {
     let mut room = Room::lit();
-    room.app.add_plugins(bevy::diagnostic::DiagnosticsPlugin);
     room.edit::<Transform>(room.block, |t| t.translation.x = -0.4);
     room.settle();
     room.app.update();

@@ -52,6 +52,7 @@ pub(crate) fn bare_app() -> App {
         AssetPlugin::default(),
         TransformPlugin,
         MeshPlugin,
+        bevy::diagnostic::DiagnosticsPlugin,
     ))
     .init_asset::<Image>()
     .init_asset::<StandardMaterial>()

@@ -48,5 +48,7 @@ pub use status::{
     BakeFailed, BakeFinished, BakeStarted, BakeState, CancelBake, RadiosityStatus, Rebake,
 };
 
+#[cfg(test)]
+mod mesh_data_test;
 #[cfg(all(test, feature = "examples", feature = "gltf"))]
 mod two_doors_test;
