@@ -44,6 +44,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # In Bevy
+//!
+//! Add `plugin::FrescoPlugins` and put `StaticLighting` on what does not move:
+//!
+//! ```text
+//! App::new().add_plugins((DefaultPlugins, FrescoPlugins));
+//! commands.spawn((WorldAssetRoot(room), StaticLighting::default()));
+//! ```
+//!
+//! The light is baked in the background and again when a lamp, a wall or a block changes, each time
+//! from the stage that the change calls for. `docs/bevy.md` is the manual.
+//!
 //! # Modules and features
 //!
 //! | module | what it does | feature |
@@ -57,7 +69,7 @@
 #![cfg_attr(feature = "cli", doc = "| [`cli`] | the `fresco` command | `cli` |")]
 #![cfg_attr(
     feature = "bevy",
-    doc = "| [`plugin`] | the vertex attribute that carries baked light in Bevy, and the material that shows it | `bevy` |"
+    doc = "| [`plugin`] | baked light in a running Bevy app: plugins, components, the material that shows it | `bevy` |"
 )]
 //!
 //! The feature `parallel` bakes on all cores; results are the same bytes with and without it.

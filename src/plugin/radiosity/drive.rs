@@ -149,8 +149,8 @@ pub(super) fn watch(
     mut sources: Sources,
     time: Res<Time<Real>>,
 ) {
-    let survey = world.survey(&mut sources, &settings);
-    explain(&mut commands, &world, &survey);
+    let mut survey = world.survey(&mut sources, &settings);
+    explain(&mut commands, &world, &mut survey);
     let now = time.elapsed();
     let (loading, empty) = (survey.loading, survey.objects.is_empty());
     bakery.see(survey.key, now);
@@ -164,21 +164,18 @@ pub(super) fn watch(
 }
 
 /// Says on the entities why they take no part.
-fn explain(commands: &mut Commands, world: &StaticWorld, survey: &Survey) {
-    for (entity, _) in world.told() {
-        if !survey.unfit.iter().any(|(e, _)| *e == entity) {
-            commands.entity(entity).try_remove::<NotBaked>();
-        }
-    }
-    for (entity, reason) in &survey.unfit {
-        let known = world
-            .told()
-            .any(|(e, told)| e == *entity && told.reason == *reason);
-        if !known {
-            warn!("{} is not baked: {reason}", world.name(*entity));
-            commands.entity(*entity).try_insert(NotBaked {
-                reason: reason.clone(),
-            });
+fn explain(commands: &mut Commands, world: &StaticWorld, survey: &mut Survey) {
+    for (entity, reason) in survey.to_tell.drain(..) {
+        match reason {
+            None => {
+                commands.entity(entity).try_remove::<NotBaked>();
+            }
+            Some(reason) => {
+                warn!("{} is not baked: {reason}", world.name(entity));
+                commands.entity(entity).try_insert(NotBaked {
+                    reason: reason.into_owned(),
+                });
+            }
         }
     }
 }

@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::hash::{BuildHasher, Hash, Hasher};
 
 use bevy::ecs::system::SystemParam;
@@ -87,8 +88,8 @@ pub(super) struct Survey {
     pub(super) key: u64,
     /// Something is still being loaded or copied.
     pub(super) loading: bool,
-    /// What takes no part, and why.
-    pub(super) unfit: Vec<(Entity, String)>,
+    /// Entities of which another reason than they carry keeps them out, or none any more.
+    pub(super) to_tell: Vec<(Entity, Option<Cow<'static, str>>)>,
 }
 
 /// A static mesh.
@@ -131,12 +132,21 @@ impl StaticWorld<'_, '_> {
         };
         let mut budget = Budget::new();
         for object in &self.objects {
-            let entity = object.0;
-            match self.object(object, sources, &mut budget) {
-                Found::Object(found) => survey.objects.push(found),
-                Found::Hidden => {}
-                Found::Soon => survey.loading = true,
-                Found::Unfit(reason) => survey.unfit.push((entity, reason)),
+            let (entity, told) = (object.0, object.7);
+            let reason = match self.object(object, sources, &mut budget) {
+                Found::Object(found) => {
+                    survey.objects.push(found);
+                    None
+                }
+                Found::Hidden => None,
+                Found::Soon => {
+                    survey.loading = true;
+                    None
+                }
+                Found::Unfit(reason) => Some(reason),
+            };
+            if told.map(|t| t.reason.as_str()) != reason.as_deref() {
+                survey.to_tell.push((entity, reason));
             }
         }
         // The order of a query changes when entities get components.
@@ -151,13 +161,6 @@ impl StaticWorld<'_, '_> {
         self.names
             .get(entity)
             .map_or_else(|_| format!("entity {entity}"), |name| name.to_string())
-    }
-
-    /// The reasons that entities carry now.
-    pub(super) fn told(&self) -> impl Iterator<Item = (Entity, &NotBaked)> {
-        self.objects
-            .iter()
-            .filter_map(|(entity, .., told, _)| Some((entity, told?)))
     }
 
     fn object(
@@ -196,13 +199,13 @@ impl StaticWorld<'_, '_> {
         let mesh = match sources.mesh(mesh_id, budget) {
             Look::Here(mesh) => mesh,
             Look::Soon => return Found::Soon,
-            Look::Missing => return Found::Unfit(missing("mesh")),
-            Look::Unfit(problem) => return Found::Unfit(problem.to_string()),
+            Look::Missing => return Found::Unfit(missing("mesh").into()),
+            Look::Unfit(problem) => return Found::Unfit(problem.to_string().into()),
         };
         let material = match sources.material(material_id) {
             Look::Here(material) => material,
             Look::Soon => return Found::Soon,
-            Look::Missing | Look::Unfit(_) => return Found::Unfit(missing("material")),
+            Look::Missing | Look::Unfit(_) => return Found::Unfit(missing("material").into()),
         };
         let Some(images) = images(&material.asset, sources, budget) else {
             return Found::Soon;
@@ -318,7 +321,7 @@ enum Found {
     Object(FoundObject),
     Hidden,
     Soon,
-    Unfit(String),
+    Unfit(Cow<'static, str>),
 }
 
 fn missing(what: &str) -> String {
