@@ -1,5 +1,6 @@
 use std::time::Instant;
 
+use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 
 use super::assets::{Copies, mesh_version};
@@ -19,51 +20,56 @@ type Lit<'w, 's> = Query<
     ),
 >;
 
+/// Meshes that were written since Bevy last told of changes: what it then tells of them is no edit.
+#[derive(Resource, Default)]
+pub(super) struct OwnWrites(HashSet<AssetId<Mesh>>);
+
 /// Puts new light into meshes, as many as the frame's budget allows.
 pub(super) fn apply(
     mut commands: Commands,
     mut bakery: ResMut<Bakery>,
     settings: Res<RadiositySettings>,
     copies: Res<Copies>,
+    mut own: ResMut<OwnWrites>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut entities: Lit,
 ) {
     let since = Instant::now();
     while let Some(light) = bakery.to_apply.pop_front() {
-        put(light, &mut commands, &copies, &mut meshes, &mut entities);
+        let written = put(light, &mut commands, &copies, &mut meshes, &mut entities);
+        own.0.extend(written);
         if since.elapsed() > settings.apply_budget {
             break;
         }
     }
 }
 
-/// Gives one entity its light, if it is still there, static and of the same mesh.
+/// Gives one entity its light, if it is still there, static and of the same mesh; returns the mesh
+/// that was written over.
 fn put(
     light: NewLight,
     commands: &mut Commands,
     copies: &Copies,
     meshes: &mut Assets<Mesh>,
     entities: &mut Lit,
-) {
-    let Ok((effect, mut mesh, baked)) = entities.get_mut(light.entity) else {
-        return;
-    };
+) -> Option<AssetId<Mesh>> {
+    let (effect, mut mesh, baked) = entities.get_mut(light.entity).ok()?;
     let source = match &baked {
         Some(baked) if baked.lit == mesh.0 => baked.source.id(),
         _ => mesh.id(),
     };
     let same = source == light.source && copies.mesh_version(source) == Some(light.source_version);
     if !effect.0.receives || !same {
-        return;
+        return None;
     }
     match baked {
         Some(mut baked) if baked.lit == mesh.0 => {
             // The entity holds the handle: its place in the assets cannot be gone.
-            if meshes.insert(baked.lit.id(), light.mesh).is_ok() {
-                baked.fingerprint = light.fingerprint;
-                baked.source_version = light.source_version;
-                baked.lit_version = light.lit_version;
-            }
+            meshes.insert(baked.lit.id(), light.mesh).ok()?;
+            baked.fingerprint = light.fingerprint;
+            baked.source_version = light.source_version;
+            baked.lit_version = light.lit_version;
+            Some(baked.lit.id())
         }
         _ => {
             let lit = meshes.add(light.mesh);
@@ -75,6 +81,7 @@ fn put(
                 source_version: light.source_version,
                 lit_version: light.lit_version,
             });
+            None
         }
     }
 }
@@ -85,12 +92,14 @@ fn put(
 /// until its own is baked. An edit of the lit copy itself makes that the new source.
 pub(super) fn show_edits(
     mut changes: MessageReader<AssetEvent<Mesh>>,
+    mut own: ResMut<OwnWrites>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut entities: Query<(&mut Mesh3d, &mut BakedLighting)>,
 ) {
-    let modified: Vec<AssetId<Mesh>> = (changes.read())
+    // Of two writes in one frame, one is told of for each.
+    let modified: HashSet<AssetId<Mesh>> = (changes.read())
         .filter_map(|event| match event {
-            AssetEvent::Modified { id } => Some(*id),
+            AssetEvent::Modified { id } if !own.0.remove(id) => Some(*id),
             _ => None,
         })
         .collect();

@@ -54,6 +54,7 @@ impl Plugin for RadiosityPlugin {
             .init_resource::<Bakery>()
             .init_resource::<Copies>()
             .init_resource::<material::Moved>()
+            .init_resource::<apply::OwnWrites>()
             .insert_resource(VisibilityRule::Own)
             .add_message::<BakeStarted>()
             .add_message::<BakeFinished>()

@@ -52,7 +52,7 @@ impl Default for RadiositySettings {
             debounce: Duration::from_millis(50),
             max_delay: Duration::from_millis(250),
             time_budget: None,
-            apply_budget: Duration::from_micros(500),
+            apply_budget: Duration::from_micros(300),
             threads: None,
         }
     }
