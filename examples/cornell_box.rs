@@ -58,7 +58,7 @@ fn keys(
     }
     if keys.just_pressed(KeyCode::KeyR) {
         let red = walls.iter().find(|(name, _)| name.starts_with("Red wall"));
-        if let Some(mut paint) = red.and_then(|(_, wall)| materials.get_mut(&wall.0)) {
+        if let Some(mut paint) = red.and_then(|(_, wall)| materials.get_mut(&wall.handle)) {
             let c = paint.base_color.to_linear();
             paint.base_color = LinearRgba::rgb(c.blue, c.green, c.red).into();
         }

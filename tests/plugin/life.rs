@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use bevy::diagnostic::{Diagnostic, DiagnosticsStore};
 use bevy::prelude::*;
+use bevy_fresco::plugin::FrescoMaterial;
 use bevy_fresco::plugin::radiosity::{
     BakeFailed, BakeFinished, BakeStarted, BakeState, BakedLighting, CancelBake, NoStaticLighting,
     NotBaked, RadiosityDiagnostics, RadiositySettings, StaticLighting,
@@ -269,6 +270,80 @@ fn what_cannot_be_baked_says_why() {
     room.settle();
     assert!(room.app.world().get::<NotBaked>(bare).is_none());
     assert!(room.app.world().get::<BakedLighting>(bare).is_some());
+}
+
+#[test]
+fn a_material_of_its_own_is_left_alone() {
+    let mut room = Room::lit();
+    let block = room.block;
+    let own = FrescoMaterial {
+        base: StandardMaterial::from_color(Color::BLACK),
+        ..default()
+    };
+    let own = room
+        .world()
+        .resource_mut::<Assets<FrescoMaterial>>()
+        .add(own);
+    let before = room.all_light();
+    room.world()
+        .entity_mut(block)
+        .insert(MeshMaterial3d(own.clone()));
+    room.settle();
+    // It is the one that is baked,
+    assert!(difference(&room.all_light(), &before) > 0.005);
+    // and the one that stays.
+    room.world().entity_mut(block).insert(NoStaticLighting);
+    room.settle();
+    let shown = room
+        .app
+        .world()
+        .get::<MeshMaterial3d<FrescoMaterial>>(block);
+    assert_eq!(shown.unwrap().0, own);
+}
+
+#[test]
+fn a_transform_without_a_direction_is_named() {
+    let mut room = Room::lit();
+    let before = room.all_light();
+    let sun = DirectionalLight::default();
+    let flat = Transform::from_scale(Vec3::ZERO);
+    room.world().spawn((Name::new("flat sun"), sun, flat));
+    room.wait_for_failure();
+    let error = room.status().error.clone().unwrap();
+    assert!(
+        error.contains("flat sun") && error.contains("direction"),
+        "{error}"
+    );
+    assert_eq!(difference(&room.all_light(), &before), 0.0);
+}
+
+#[test]
+fn a_position_that_is_no_number_is_named() {
+    let mut room = Room::lit();
+    let before = room.all_light();
+    room.edit::<Transform>(room.block, |t| t.translation.y = f32::NAN);
+    room.wait_for_failure();
+    assert!(room.status().error.as_ref().unwrap().contains("block"));
+    assert_eq!(difference(&room.all_light(), &before), 0.0);
+    room.edit::<Transform>(room.block, |t| t.translation.y = -0.65);
+    room.settle();
+    assert!(difference(&room.all_light(), &before) < 0.01);
+}
+
+#[test]
+fn a_lightmap_is_kept() {
+    let mut room = Room::lit();
+    let block = room.block;
+    room.world()
+        .entity_mut(block)
+        .insert(bevy::pbr::Lightmap::default());
+    room.settle();
+    room.bake_from_scratch();
+    // It goes on lighting others and is not lit itself: what it has is not renewed.
+    let stale = room.light(block);
+    room.edit::<PointLight>(room.point, |l| l.intensity *= 2.0);
+    room.settle();
+    assert_eq!(room.light(block), stale);
 }
 
 #[test]

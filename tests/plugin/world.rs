@@ -30,9 +30,10 @@ pub(crate) fn settings() -> RadiositySettings {
     RadiositySettings {
         bake: BakeSettings {
             elements: 600,
-            element_rays: 64,
-            gather_rays: 64,
-            samples_per_vertex: 12.0,
+            element_rays: 128,
+            gather_rays: 256,
+            emitter_rays: 32,
+            samples_per_vertex: 16.0,
             solver_tolerance: 1e-4,
             max_edge: Some(0.8),
             ..BakeSettings::DRAFT
@@ -184,7 +185,7 @@ impl Room {
             .world()
             .get::<bevy_fresco::plugin::radiosity::OriginalMaterial>(entity)
             .unwrap()
-            .0
+            .handle
             .clone();
         let mut materials = self.world().resource_mut::<Assets<StandardMaterial>>();
         edit(&mut materials.get_mut(&original).unwrap());

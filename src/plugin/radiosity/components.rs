@@ -1,5 +1,7 @@
 use bevy::prelude::*;
 
+use crate::plugin::FrescoMaterial;
+
 /// Marks an entity, and all its descendants, as part of the baked scene.
 ///
 /// Put it on a mesh, on the root of a loaded glTF scene or on a level's parent entity. Descendants
@@ -7,7 +9,7 @@ use bevy::prelude::*;
 /// the tree, and [`NoStaticLighting`] takes entities out.
 ///
 /// Meshes with `MeshMaterial3d<StandardMaterial>` that receive light are moved to
-/// [`FrescoMaterial`](crate::plugin::FrescoMaterial), which shows it; queries for
+/// [`FrescoMaterial`], which shows it; queries for
 /// `MeshMaterial3d<StandardMaterial>` do not find them any more. [`OriginalMaterial`] keeps the handle,
 /// changes of that material are followed, and it is put back when the entity stops being static.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -58,10 +60,16 @@ pub enum LightBaking {
 }
 
 /// The handle that an entity's material had before it was moved to
-/// [`FrescoMaterial`](crate::plugin::FrescoMaterial). Change the asset behind it: the move follows.
+/// [`FrescoMaterial`]. Change the asset behind it: the move follows.
 #[derive(Component, Reflect, Clone, Debug)]
 #[reflect(Component, Debug, Clone)]
-pub struct OriginalMaterial(pub Handle<StandardMaterial>);
+pub struct OriginalMaterial {
+    /// The material as it was.
+    pub handle: Handle<StandardMaterial>,
+    /// What stands in for it. Another `MeshMaterial3d<FrescoMaterial>` on the entity is somebody's
+    /// own and left alone.
+    pub moved_to: AssetId<FrescoMaterial>,
+}
 
 /// On entities whose mesh carries baked light.
 ///

@@ -86,7 +86,7 @@ pub(super) fn restore(
     moved: Query<(
         Entity,
         &OriginalMaterial,
-        Has<MeshMaterial3d<FrescoMaterial>>,
+        Option<&MeshMaterial3d<FrescoMaterial>>,
         Option<&InEffect>,
     )>,
 ) {
@@ -101,14 +101,16 @@ pub(super) fn restore(
             entity.try_insert(Mesh3d(baked.source.clone()));
         }
     }
-    for (entity, original, still, effect) in &moved {
+    for (entity, original, shown, effect) in &moved {
         if receives(effect) {
             continue;
         }
         let mut entity = commands.entity(entity);
-        entity.try_remove::<(OriginalMaterial, MeshMaterial3d<FrescoMaterial>)>();
-        if still {
-            entity.try_insert(MeshMaterial3d(original.0.clone()));
+        entity.try_remove::<OriginalMaterial>();
+        if shown.is_some_and(|m| m.id() == original.moved_to) {
+            entity
+                .try_remove::<MeshMaterial3d<FrescoMaterial>>()
+                .try_insert(MeshMaterial3d(original.handle.clone()));
         }
     }
 }

@@ -42,7 +42,13 @@ pub(super) fn move_materials(
         commands
             .entity(entity)
             .try_remove::<MeshMaterial3d<StandardMaterial>>()
-            .try_insert((MeshMaterial3d(handle), OriginalMaterial(material.0.clone())));
+            .try_insert((
+                OriginalMaterial {
+                    handle: material.0.clone(),
+                    moved_to: handle.id(),
+                },
+                MeshMaterial3d(handle),
+            ));
     }
 }
 

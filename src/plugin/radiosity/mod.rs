@@ -15,7 +15,7 @@
 //! | `inherit` | who is static; what stops being so gets its own mesh and material back |
 //! | `material` | materials are moved to the extension that shows baked light, and followed |
 //! | `assets` | copies of meshes, images and materials, renewed when their content changes |
-//! | `survey` | the static world as it is, with a key that tells whether it is another |
+//! | `survey`, `lights`, `key` | the static world as it is, with a key that tells whether it is another |
 //! | `drive` | when a bake starts, and what is told of it |
 //! | `job` | the bake on its thread |
 //! | `scene`, `mesh_data`, `textures` | Bevy's data in the bake's terms |
@@ -29,6 +29,8 @@ mod diagnostics;
 mod drive;
 mod inherit;
 mod job;
+mod key;
+mod lights;
 mod material;
 mod mesh_data;
 mod plugin;

@@ -1,31 +1,24 @@
 use std::borrow::Cow;
-use std::hash::{BuildHasher, Hash, Hasher};
 
 use bevy::ecs::system::SystemParam;
-use bevy::light::RectLight;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::pbr::Lightmap;
-use bevy::platform::hash::FixedHasher;
 use bevy::prelude::*;
 use glam::Affine3A;
 
 use super::assets::{Budget, Copy, Look, MaterialId, Sources};
-use super::components::{
-    BakedLighting, InEffect, LightBaking, NotBaked, OriginalMaterial, StaticLighting,
-};
+use super::components::{BakedLighting, InEffect, NotBaked, OriginalMaterial, StaticLighting};
+use super::key::key;
+use super::lights::{FoundLight, Lights};
 use super::settings::RadiositySettings;
 use crate::plugin::FrescoMaterial;
-use crate::radiosity::{DirectLight, LightKind};
 
 /// All that the bake reads of the world.
 #[derive(SystemParam)]
 pub(super) struct StaticWorld<'w, 's> {
     objects: Query<'w, 's, ObjectQuery>,
-    points: Query<'w, 's, (&'static PointLight, LightQuery)>,
-    spots: Query<'w, 's, (&'static SpotLight, LightQuery)>,
-    suns: Query<'w, 's, (&'static DirectionalLight, LightQuery)>,
-    rects: Query<'w, 's, (&'static RectLight, LightQuery)>,
+    lights: Lights<'w, 's>,
     ambient: Option<Res<'w, GlobalAmbientLight>>,
     visibility: Res<'w, VisibilityRule>,
     names: Query<'w, 's, &'static Name>,
@@ -47,14 +40,8 @@ type ObjectQuery = (
     (Has<SkinnedMesh>, Has<MeshMorphWeights>, Has<Lightmap>),
 );
 
-type LightQuery = (
-    Entity,
-    &'static GlobalTransform,
-    Shown,
-    Option<&'static LightBaking>,
-);
-
-type Shown = (
+/// What tells whether an entity is shown.
+pub(super) type Shown = (
     Option<&'static Visibility>,
     Option<&'static InheritedVisibility>,
 );
@@ -69,7 +56,10 @@ pub(super) enum VisibilityRule {
 }
 
 impl VisibilityRule {
-    fn shown(self, (own, inherited): (Option<&Visibility>, Option<&InheritedVisibility>)) -> bool {
+    pub(super) fn shown(
+        self,
+        (own, inherited): (Option<&Visibility>, Option<&InheritedVisibility>),
+    ) -> bool {
         match self {
             Self::Inherited => inherited.is_none_or(|v| v.get()),
             Self::Own => own.is_none_or(|v| *v != Visibility::Hidden),
@@ -113,20 +103,11 @@ pub(super) struct Images {
     pub(super) metallic: Option<Copy<Image>>,
 }
 
-/// A light of the world in the bake's terms.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FoundLight {
-    pub(super) entity: Entity,
-    pub(super) power: Vec3,
-    pub(super) kind: LightKind,
-    pub(super) direct: DirectLight,
-}
-
 impl StaticWorld<'_, '_> {
     /// Looks at everything static. Cheap enough for every frame: nothing is copied that is known.
     pub(super) fn survey(&self, sources: &mut Sources, settings: &RadiositySettings) -> Survey {
         let mut survey = Survey {
-            lights: self.lights(),
+            lights: self.lights.find(*self.visibility),
             sky: self.sky(settings),
             ..Survey::default()
         };
@@ -152,7 +133,7 @@ impl StaticWorld<'_, '_> {
         // The order of a query changes when entities get components.
         survey.objects.sort_unstable_by_key(|o| o.entity);
         survey.lights.sort_unstable_by_key(|l| l.entity);
-        survey.key = survey.hash(settings);
+        survey.key = key(&survey, settings);
         survey
     }
 
@@ -181,7 +162,9 @@ impl StaticWorld<'_, '_> {
             );
         }
         let material_id = match material {
-            (Some(original), ..) => MaterialId::Standard(original.0.id()),
+            (Some(original), Some(fresco), _) if original.moved_to == fresco.id() => {
+                MaterialId::Standard(original.handle.id())
+            }
             (_, Some(fresco), _) => MaterialId::Fresco(fresco.id()),
             (_, _, Some(standard)) => MaterialId::Standard(standard.id()),
             _ => {
@@ -210,8 +193,6 @@ impl StaticWorld<'_, '_> {
         let Some(images) = images(&material.asset, sources, budget) else {
             return Found::Soon;
         };
-        // A lightmap of its own is kept: it shows that one, and the bake leaves its light alone.
-        let keeps_lightmap = lightmapped && baked.is_none();
         Found::Object(FoundObject {
             entity,
             transform: transform.affine(),
@@ -220,93 +201,12 @@ impl StaticWorld<'_, '_> {
             material,
             images,
             effect: StaticLighting {
-                receives: effect.0.receives && !keeps_lightmap,
+                // It shows its lightmap, whatever is baked.
+                receives: effect.0.receives && !lightmapped,
                 ..effect.0
             },
             fingerprint: baked.map(|b| b.fingerprint),
         })
-    }
-
-    fn lights(&self) -> Vec<FoundLight> {
-        let points = self.points.iter().map(|(light, at)| {
-            let position = at.1.translation();
-            let kind = LightKind::Point {
-                position,
-                range: light.range,
-            };
-            (
-                at,
-                light.color,
-                light.intensity,
-                !light.affects_lightmapped_mesh_diffuse,
-                kind,
-            )
-        });
-        let spots = self.spots.iter().map(|(light, at)| {
-            let kind = LightKind::Spot {
-                position: at.1.translation(),
-                direction: at.1.forward().into(),
-                inner_angle: light.inner_angle,
-                outer_angle: light.outer_angle,
-                range: light.range,
-            };
-            (
-                at,
-                light.color,
-                light.intensity,
-                !light.affects_lightmapped_mesh_diffuse,
-                kind,
-            )
-        });
-        let suns = self.suns.iter().map(|(light, at)| {
-            let direction = at.1.forward().into();
-            let kind = LightKind::Directional { direction };
-            (
-                at,
-                light.color,
-                light.illuminance,
-                !light.affects_lightmapped_mesh_diffuse,
-                kind,
-            )
-        });
-        let rects = self.rects.iter().map(|(light, at)| {
-            let kind = LightKind::Rect {
-                position: at.1.translation(),
-                direction: at.1.forward().into(),
-                right: at.1.right().into(),
-                width: light.width,
-                height: light.height,
-                range: light.range,
-            };
-            (at, light.color, light.intensity, false, kind)
-        });
-        points
-            .chain(spots)
-            .chain(suns)
-            .chain(rects)
-            .filter_map(
-                |((entity, _, shown, baking), color, intensity, full, kind)| {
-                    let by_switch = if full {
-                        LightBaking::Full
-                    } else {
-                        LightBaking::Indirect
-                    };
-                    let direct = match baking.copied().unwrap_or(by_switch) {
-                        LightBaking::Excluded => return None,
-                        LightBaking::Full if !matches!(kind, LightKind::Rect { .. }) => {
-                            DirectLight::Baked
-                        }
-                        _ => DirectLight::Realtime,
-                    };
-                    self.visibility.shown(shown).then(|| FoundLight {
-                        entity,
-                        power: color.to_linear().to_vec3() * intensity,
-                        kind,
-                        direct,
-                    })
-                },
-            )
-            .collect()
     }
 
     fn sky(&self, settings: &RadiositySettings) -> Vec3 {
@@ -349,92 +249,4 @@ fn images(
         emissive: get(&material.emissive_texture)?,
         metallic: get(&material.metallic_roughness_texture)?,
     })
-}
-
-impl Survey {
-    fn hash(&self, settings: &RadiositySettings) -> u64 {
-        let mut state = FixedHasher.build_hasher();
-        for o in &self.objects {
-            (o.entity, o.mesh.version, o.material.version, o.effect).hash(&mut state);
-            for image in [&o.images.base_color, &o.images.emissive, &o.images.metallic] {
-                image.as_ref().map(|i| i.version).hash(&mut state);
-            }
-            hash_floats(&mut state, &o.transform.to_cols_array());
-        }
-        for l in &self.lights {
-            (l.entity, l.direct == DirectLight::Baked).hash(&mut state);
-            hash_floats(&mut state, &l.power.to_array());
-            hash_light_kind(&mut state, &l.kind);
-        }
-        hash_floats(&mut state, &self.sky.to_array());
-        hash_floats(&mut state, &[settings.emissive_gain]);
-        hash_settings(&mut state, settings);
-        state.finish()
-    }
-}
-
-fn hash_floats(state: &mut impl Hasher, values: &[f32]) {
-    for value in values {
-        // −0 is 0.
-        state.write_u32((value + 0.0).to_bits());
-    }
-}
-
-fn hash_light_kind(state: &mut impl Hasher, kind: &LightKind) {
-    std::mem::discriminant(kind).hash(state);
-    let mut vector = |v: Vec3| hash_floats(state, &v.to_array());
-    match *kind {
-        LightKind::Point { position, range } => {
-            vector(position);
-            hash_floats(state, &[range]);
-        }
-        LightKind::Spot {
-            position,
-            direction,
-            inner_angle,
-            outer_angle,
-            range,
-        } => {
-            vector(position);
-            vector(direction);
-            hash_floats(state, &[inner_angle, outer_angle, range]);
-        }
-        LightKind::Directional { direction } => vector(direction),
-        LightKind::Rect {
-            position,
-            direction,
-            right,
-            width,
-            height,
-            range,
-        } => {
-            vector(position);
-            vector(direction);
-            vector(right);
-            hash_floats(state, &[width, height, range]);
-        }
-    }
-}
-
-fn hash_settings(state: &mut impl Hasher, settings: &RadiositySettings) {
-    let bake = &settings.bake;
-    let counts = [
-        bake.elements,
-        bake.element_rays,
-        bake.gather_rays,
-        bake.emitter_rays,
-        bake.max_sweeps,
-        bake.seed,
-    ];
-    counts.hash(state);
-    let edge = bake.max_edge.unwrap_or(-1.0);
-    hash_floats(
-        state,
-        &[
-            edge,
-            bake.samples_per_vertex,
-            bake.solver_tolerance,
-            bake.max_reflectance,
-        ],
-    );
 }
