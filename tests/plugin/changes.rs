@@ -26,8 +26,12 @@ enum Cost {
     Anything,
 }
 
-/// The noise of two bakes with different rays: half-sets of these settings differ by 4 %.
-const NOISE: f32 = 0.06;
+/// Where a bake from scratch cuts elements and spreads samples otherwise, and so draws other rays: the
+/// sampling error of these settings is 3 to 4 %.
+const NOISE: f32 = 0.03;
+
+/// Changes of light below this do not show.
+const SLIGHT: f32 = 0.01;
 
 /// Where the rays stay the same. Not zero, because a bake from scratch chooses anew how strongly to smooth
 /// and which bright elements to sample, and a resumed one keeps what it chose.
@@ -61,18 +65,19 @@ fn check(cost: Cost, tolerance: f32, edit: impl FnOnce(&mut Room)) {
     room.bake_from_scratch();
     let scratch = room.all_light();
     let gap = difference(&resumed, &scratch);
-    let sizes =
-        |l: &[(Entity, Vec<Vec3>)]| l.iter().map(|(e, l)| (*e, l.len())).collect::<Vec<_>>();
-    if sizes(&before) == sizes(&scratch) {
-        eprintln!(
-            "GAP {gap} CHANGE {} {:?}",
-            difference(&before, &scratch),
-            room.report().sampling_error
-        );
-    } else {
-        eprintln!("GAP {gap} {}", room.report().sampling_error);
+    // A change that shows must have been followed, not just lie within what is allowed.
+    if same_vertices(&before, &scratch) {
+        let change = difference(&before, &scratch);
+        assert!(change < SLIGHT || gap < change / 3.0, "{gap} of {change}");
     }
     assert!(gap <= tolerance, "{gap} from a bake from scratch");
+}
+
+fn same_vertices(a: &[(Entity, Vec<Vec3>)], b: &[(Entity, Vec<Vec3>)]) -> bool {
+    let count = |l: &[(Entity, Vec<Vec3>)]| -> Vec<(Entity, usize)> {
+        l.iter().map(|(e, l)| (*e, l.len())).collect()
+    };
+    count(a) == count(b)
 }
 
 fn check_cost(cost: Cost, work: &Work, full: &Work) {
