@@ -9,7 +9,9 @@ use super::components::{
 };
 use super::drive::Bakery;
 use super::settings::RadiositySettings;
-use super::status::{BakeFailed, BakeFinished, BakeStarted, BakeState, RadiosityStatus};
+use super::status::{
+    BakeFailed, BakeFinished, BakeStarted, BakeState, CancelBake, RadiosityStatus, Rebake,
+};
 use super::survey::VisibilityRule;
 use super::{apply, diagnostics, drive, inherit, material};
 use crate::plugin::FrescoMaterialPlugin;
@@ -50,6 +52,11 @@ impl Plugin for RadiosityPlugin {
             .register_type::<RadiositySettings>()
             .register_type::<RadiosityStatus>()
             .register_type::<BakeState>()
+            .register_type::<BakeStarted>()
+            .register_type::<BakeFinished>()
+            .register_type::<BakeFailed>()
+            .register_type::<Rebake>()
+            .register_type::<CancelBake>()
             .init_resource::<RadiosityStatus>()
             .init_resource::<Bakery>()
             .init_resource::<Copies>()

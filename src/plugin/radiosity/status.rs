@@ -68,9 +68,11 @@ pub struct BakeStarted {
 }
 
 /// A bake has ended and its light is on the entities.
-#[derive(Message, Event, Clone, Debug)]
+#[derive(Message, Event, Reflect, Clone, Debug)]
+#[reflect(from_reflect = false)]
 pub struct BakeFinished {
     /// What it did and how good it is.
+    #[reflect(ignore)]
     pub report: Arc<Report>,
     /// Entities whose light changed.
     pub changed: usize,
