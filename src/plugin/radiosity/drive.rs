@@ -52,14 +52,6 @@ pub(super) struct Finishing {
     changed: usize,
 }
 
-impl Drop for Bakery {
-    fn drop(&mut self) {
-        if let Some(job) = &self.job {
-            job.cancel();
-        }
-    }
-}
-
 /// Takes what a finished job found.
 pub(super) fn collect(
     mut commands: Commands,
@@ -309,10 +301,13 @@ pub(super) fn cancel(_: On<CancelBake>, bakery: Option<ResMut<Bakery>>) {
     }
 }
 
-/// Without settings nothing runs.
+/// Without settings nothing runs: what was under way is given up, and to be done if they come back.
 pub(super) fn stop(mut bakery: ResMut<Bakery>) {
-    if let Some(job) = bakery.job.take() {
-        job.cancel();
+    if bakery.is_busy() {
+        bakery.job = None;
+        bakery.to_apply.clear();
+        bakery.finishing = None;
+        bakery.reached = None;
     }
 }
 
