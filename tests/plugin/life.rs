@@ -331,6 +331,16 @@ fn a_position_that_is_no_number_is_named() {
 }
 
 #[test]
+fn light_that_looks_black_is_told_of() {
+    let mut room = Room::lit();
+    assert_eq!(room.report().notes, [""; 0]);
+    room.edit_material(room.lamp, |m| m.emissive = LinearRgba::BLACK);
+    room.edit::<PointLight>(room.point, |l| l.intensity = 1.0);
+    room.settle();
+    assert!(room.report().notes.iter().any(|n| n.contains("ev100")));
+}
+
+#[test]
 fn a_lightmap_is_kept() {
     let mut room = Room::lit();
     let block = room.block;

@@ -116,6 +116,10 @@ pub(super) fn finish(
     let Some(Finishing { report, changed }) = bakery.finishing.take() else {
         return;
     };
+    let known = status.report.as_ref().map_or(&[][..], |r| &r.notes);
+    for note in report.notes.iter().filter(|n| !known.contains(n)) {
+        warn!("baking light: {note}");
+    }
     status.finished += 1;
     status.error = None;
     status.report = Some(report.clone());

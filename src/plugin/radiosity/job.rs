@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use bevy::camera::Exposure;
 use bevy::platform::hash::FixedHasher;
 use bevy::prelude::*;
 
@@ -196,6 +197,7 @@ impl Memory {
             other => Failure::Error(other.to_string()),
         })?;
         bake.report.notes.extend(extracted.notes);
+        bake.report.notes.extend(too_dark(bake.report.mean_light));
         let objects = order.survey.objects.iter().zip(&extracted.triangles);
         let lights = objects
             .zip(&bake.objects)
@@ -234,6 +236,20 @@ impl Memory {
 )]
 fn all_but_one() -> usize {
     std::thread::available_parallelism().map_or(1, NonZero::get) - 1
+}
+
+/// Below this share of white, light looks black.
+const BLACK: f32 = 0.002;
+
+/// What to say of light that no camera shows.
+fn too_dark(mean_light: f32) -> Option<String> {
+    let shown = mean_light * Exposure::default().exposure();
+    (mean_light > 0.0 && shown < BLACK).then(|| {
+        format!(
+            "the light is {mean_light:.1e} cd/m² on average, which a camera of Bevy's default \
+             exposure shows as black: brighten the lights, or lower the camera's `Exposure::ev100`"
+        )
+    })
 }
 
 /// The lit mesh of an object, unless it carries this very light already.
