@@ -189,6 +189,7 @@ impl SettingsArgs {
             max_sweeps: self.max_sweeps.unwrap_or(preset.max_sweeps),
             max_reflectance: self.max_reflectance.unwrap_or(preset.max_reflectance),
             seed: self.seed.unwrap_or(preset.seed),
+            ..preset
         }
     }
 

@@ -1,6 +1,7 @@
 use super::baked::Bake;
+use super::element_light::ElementLight;
 use super::observer::Observer;
-use super::pipeline::run;
+use super::pipeline::{run, run_elements};
 use super::settings::{BakeSettings, InvalidSetting};
 use super::stages::Start;
 use super::validate::{SceneError, ValidScene};
@@ -44,4 +45,20 @@ pub fn bake(
 ) -> Result<Bake, BakeError> {
     settings.check()?;
     Ok(run(scene, settings, Start::default(), observer)?.0)
+}
+
+/// Solves for the light of a scene's elements and stops there: what radiosity programs did before
+/// they gathered at vertices, and what the [methods](super::FormFactors) and
+/// [solvers](super::Solver) are compared by.
+///
+/// # Errors
+///
+/// As [`bake`].
+pub fn solve_elements(
+    scene: &ValidScene,
+    settings: &BakeSettings,
+    observer: &dyn Observer,
+) -> Result<ElementLight, BakeError> {
+    settings.check()?;
+    run_elements(scene, settings, observer)
 }

@@ -153,6 +153,7 @@ impl Kept {
     /// Whether a bake of `scene` is worth starting from this one.
     fn resumes(&self, scene: &ValidScene, settings: &BakeSettings) -> bool {
         let solver = BakeSettings {
+            solver: settings.solver,
             solver_tolerance: settings.solver_tolerance,
             max_sweeps: settings.max_sweeps,
             ..self.settings.clone()

@@ -277,6 +277,18 @@ impl Elements {
         })
     }
 
+    /// Centre of area and mean unit normal of an element.
+    pub(crate) fn middle(&self, scene: &ValidScene, element: ElementId) -> (Vec3, Vec3) {
+        let (mut center, mut normal, mut total) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+        for (_, corners, side) in self.shape(scene, element) {
+            let area = area(corners);
+            center += corners.into_iter().sum::<Vec3>() * (area / 3.0);
+            normal += side * area;
+            total += area;
+        }
+        (center / total, normal.normalize_or_zero())
+    }
+
     /// Whether an element is the back of its surface.
     pub(crate) fn is_back(&self, element: usize) -> bool {
         self.pieces[self.first_piece[element] as usize].back

@@ -7,6 +7,7 @@ use super::observer::{Observer, Stage};
 use super::occlusion::{OFFSET, Occluders};
 use super::parallel::{Cancelled, map_ranges};
 use super::sampling::{cosine_hemisphere, frame, hash, sobol};
+use super::settings::BakeSettings;
 use super::triangle::{area, face_normal};
 use super::validate::ValidScene;
 
@@ -75,13 +76,13 @@ impl EmitterTree {
         scene: &ValidScene,
         elements: &Elements,
         occluders: &Occluders,
-        seed: u32,
+        settings: &BakeSettings,
         observer: &dyn Observer,
     ) -> Result<Self, Cancelled> {
         let mut leaves: Vec<Leaf> = Vec::new();
         let mut powers = Vec::new();
-        if elements.emissive_triangles().next().is_some() {
-            let views = survey(scene, elements, occluders, seed, observer)?;
+        if settings.sample_emitters && elements.emissive_triangles().next().is_some() {
+            let views = survey(scene, elements, occluders, settings.seed, observer)?;
             for (t, two_sided) in elements.emissive_triangles() {
                 let key = scene.triangles[t as usize];
                 let material = scene.objects[key.object as usize].material.0 as usize;

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::element::Elements;
 use super::emitter_tree::EmitterTree;
 use super::fit::Fit;
-use super::form_factor::HitList;
+use super::form_factor::Traced;
 use super::gathered::TriangleSamples;
 use super::observer::Stage;
 use super::receiver_mesh::ReceiverMeshes;
@@ -14,66 +14,68 @@ use super::settings::BakeSettings;
 use super::solve::Solution;
 use super::validate::{ValidScene, shines};
 
-/// Everything a finished bake can be asked about.
+/// What the solution of the elements can be asked about.
 pub(crate) struct Findings<'a> {
     pub(crate) scene: &'a ValidScene,
     pub(crate) settings: &'a BakeSettings,
-    pub(crate) receivers: &'a ReceiverMeshes,
     pub(crate) elements: &'a Elements,
     pub(crate) tree: &'a EmitterTree,
-    pub(crate) rows: &'a HitList,
+    pub(crate) traced: &'a Traced,
     /// Direct light at each element.
     pub(crate) arrived: &'a [Vec3],
     pub(crate) solution: &'a Solution,
+    pub(crate) stages: &'a [(Stage, Duration)],
+    pub(crate) work: Work,
+    pub(crate) occluder_bytes: u64,
+}
+
+/// What the light of vertices can be asked about.
+pub(crate) struct VertexFindings<'a> {
+    pub(crate) receivers: &'a ReceiverMeshes,
     pub(crate) lit_from_behind: &'a [bool],
     pub(crate) samples: &'a [TriangleSamples],
     pub(crate) fitted: &'a Fit,
-    pub(crate) work: Work,
 }
 
 impl Findings<'_> {
     /// What the bake did, what it cost and how good it is.
-    pub(crate) fn report(&self, stages: Vec<(Stage, Duration)>, occluder_bytes: u64) -> Report {
+    pub(crate) fn report(&self, vertices: Option<&VertexFindings>) -> Report {
         let energy = self.energy();
+        let mut notes = self.notes();
+        notes.extend(vertices.iter().flat_map(|v| v.notes(self.scene)));
+        notes.extend(self.darkness(&energy));
         Report {
-            stages,
-            counts: self.counts(),
-            bytes: occluder_bytes
+            stages: self.stages.to_vec(),
+            counts: self.counts(vertices),
+            bytes: self.occluder_bytes
                 + self.elements.bytes()
-                + self.rows.bytes()
-                + size_of_val(self.samples) as u64,
+                + self.traced.rows.bytes()
+                + vertices.map_or(0, |v| size_of_val(v.samples) as u64),
             energy,
-            solver: self.solution.report,
-            sampling_error: self.fitted.smoothing.sampling_error,
-            mean_light: self.fitted.mean,
+            form_factors: self.traced.report.clone(),
+            solver: self.solution.report.clone(),
+            sampling_error: vertices.map_or(0.0, |v| v.fitted.smoothing.sampling_error),
+            mean_light: vertices.map_or(0.0, |v| v.fitted.mean),
             work: self.work,
-            notes: self.notes(&energy),
+            notes,
         }
     }
 
-    fn counts(&self) -> Counts {
-        let taken: u64 = self.samples.iter().map(|s| u64::from(s.taken)).sum();
+    fn counts(&self, vertices: Option<&VertexFindings>) -> Counts {
         let elements = self.elements.len() as u64;
         let shadow_rays = u64::from(self.settings.emitter_rays) * u64::from(self.tree.len() > 0)
             + self.scene.lights.len() as u64;
-        let vertices_with = |flags: &[bool]| {
-            let unknowns = self.receivers.meshes.iter().flat_map(|m| &m.unknown);
-            unknowns.filter(|&&u| flags[u as usize]).count() as u64
-        };
+        let counts = vertices.map_or_else(Counts::default, VertexFindings::counts);
         Counts {
             objects: self.scene.objects.iter().filter(|o| o.receives).count() as u64,
             triangles: self.scene.triangle_count() as u64,
-            vertices: self.receivers.vertex_count() as u64,
             elements,
             emitters: self.elements.emissive_triangles().count() as u64,
             lights: self.scene.lights.len() as u64,
             rays: elements * u64::from(self.settings.element_rays)
-                + taken * u64::from(self.settings.gather_rays),
-            shadow_rays: (elements + taken) * shadow_rays,
-            samples: taken,
-            invalid_samples: self.samples.iter().map(|s| u64::from(s.invalid)).sum(),
-            filled_vertices: vertices_with(&self.fitted.filled),
-            dark_vertices: vertices_with(&self.fitted.dark),
+                + counts.samples * u64::from(self.settings.gather_rays),
+            shadow_rays: (elements + counts.samples) * shadow_rays,
+            ..counts
         }
     }
 
@@ -85,7 +87,7 @@ impl Findings<'_> {
             let reflected = self.solution.reflected[e].as_dvec3();
             balance.arrived += direct.as_dvec3() * area;
             balance.absorbed += (self.solution.arriving[e].as_dvec3() - reflected) * area;
-            balance.escaped += reflected * area * (1.0 - self.rows.row_sum(e));
+            balance.escaped += reflected * area * (1.0 - self.traced.rows.row_sum(e));
         }
         // Areas are in internal units.
         let unit = f64::from(self.scene.scale).powi(2);
@@ -97,7 +99,7 @@ impl Findings<'_> {
     }
 
     /// What was mended, skipped or looks wrong.
-    fn notes(&self, energy: &EnergyBalance) -> Vec<String> {
+    fn notes(&self) -> Vec<String> {
         let mut notes = self.scene.notes.clone();
         if self.elements.clamped > 0 {
             notes.push(format!(
@@ -105,7 +107,52 @@ impl Findings<'_> {
                 self.elements.clamped, self.settings.max_reflectance
             ));
         }
-        for (o, object) in self.scene.objects.iter().enumerate() {
+        let solver = &self.solution.report;
+        if !solver.converged {
+            notes.push(format!(
+                "the solver stopped after {} sweeps with an error of at most {:.2e}: raise max_sweeps or the tolerance",
+                solver.sweeps, solver.error_bound
+            ));
+        }
+        notes
+    }
+
+    /// Why the result is black, if it is.
+    fn darkness(&self, energy: &EnergyBalance) -> Option<String> {
+        if !shines(self.scene) {
+            Some("nothing in the scene emits light: the baked light is black".into())
+        } else if energy.arrived == DVec3::ZERO {
+            Some(
+                "no light reaches any surface, the result is black: check where lights are, and which way \
+                 one-sided emitters face"
+                    .into(),
+            )
+        } else {
+            None
+        }
+    }
+}
+
+impl VertexFindings<'_> {
+    fn counts(&self) -> Counts {
+        let taken: u64 = self.samples.iter().map(|s| u64::from(s.taken)).sum();
+        let vertices_with = |flags: &[bool]| {
+            let unknowns = self.receivers.meshes.iter().flat_map(|m| &m.unknown);
+            unknowns.filter(|&&u| flags[u as usize]).count() as u64
+        };
+        Counts {
+            vertices: self.receivers.vertex_count() as u64,
+            samples: taken,
+            invalid_samples: self.samples.iter().map(|s| u64::from(s.invalid)).sum(),
+            filled_vertices: vertices_with(&self.fitted.filled),
+            dark_vertices: vertices_with(&self.fitted.dark),
+            ..Counts::default()
+        }
+    }
+
+    fn notes(&self, scene: &ValidScene) -> Vec<String> {
+        let mut notes = Vec::new();
+        for (o, object) in scene.objects.iter().enumerate() {
             if self.lit_from_behind[o] {
                 notes.push(format!(
                     "object \"{}\" is double-sided and lit from behind: its vertices carry the light of the back",
@@ -123,22 +170,6 @@ impl Findings<'_> {
                     object.name
                 ));
             }
-        }
-        let solver = &self.solution.report;
-        if !solver.converged {
-            notes.push(format!(
-                "the solver stopped after {} sweeps with an error of at most {:.2e}: raise max_sweeps or the tolerance",
-                solver.sweeps, solver.error_bound
-            ));
-        }
-        if !shines(self.scene) {
-            notes.push("nothing in the scene emits light: the baked light is black".into());
-        } else if energy.arrived == DVec3::ZERO {
-            notes.push(
-                "no light reaches any surface, the result is black: check where lights are, and which way \
-                 one-sided emitters face"
-                    .into(),
-            );
         }
         notes
     }

@@ -41,6 +41,7 @@
 //! | `form_factor` | rows of `F` as lists of ray hits |
 //! | `solve` | Gauss–Seidel with a mean-field correction |
 //! | `gather`, `gathered`, `fit` | irradiance inside triangles, fitted by vertex values |
+//! | `element_light` | the light of elements, to look at |
 //! | `pipeline`, `stages` | all of it, one stage after the other, each resumed where it can be |
 //! | `bake`, `baker` | the doors: once, and again after every change |
 //! | `identity`, `change`, `bounds` | what differs from the scene before, and which rays it touched |
@@ -59,6 +60,7 @@ mod change;
 mod color;
 mod direct;
 mod element;
+mod element_light;
 mod emitter;
 mod emitter_tree;
 mod estimate;
@@ -89,16 +91,19 @@ mod texture;
 mod triangle;
 mod validate;
 
-pub use bake::{BakeError, bake};
+pub use bake::{BakeError, bake, solve_elements};
 pub use baked::{Bake, ObjectLight};
 pub use baker::Baker;
+pub use element_light::{Element, ElementLight};
 pub use estimate::{Estimate, estimate, estimate_counts};
+pub use form_factor::FormFactors;
 pub use light::{DirectLight, Light, LightKind};
 pub use observer::{Observer, Stage};
 pub use preview::{Camera, Picture, PreviewSettings, Projection, preview};
-pub use report::{Counts, EnergyBalance, Report, SolverReport, Work};
+pub use report::{Counts, EnergyBalance, FormFactorReport, Report, SolverReport, Work};
 pub use scene::{
     AlphaMode, Material, MaterialId, Object, ObjectId, Scene, Texture, TextureId, TextureRef, Wrap,
 };
 pub use settings::{BakeSettings, InvalidSetting};
+pub use solve::Solver;
 pub use validate::{SceneError, ValidScene};

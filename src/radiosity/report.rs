@@ -15,6 +15,8 @@ pub struct Report {
     pub bytes: u64,
     /// Where the light went.
     pub energy: EnergyBalance,
+    /// How form factors came out.
+    pub form_factors: FormFactorReport,
     /// How the linear system was solved.
     pub solver: SolverReport,
     /// Sampling error of the vertex light, relative RMS, estimated from two half-sets of samples
@@ -114,8 +116,19 @@ impl EnergyBalance {
     }
 }
 
+/// How form factors came out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FormFactorReport {
+    /// Largest sum of a row, `Σ_j F_ij`, as found; more than 1 is an error of the method.
+    pub largest_row_sum: f64,
+    /// Rows that summed to more than 1 and were scaled down to it.
+    pub scaled_rows: u64,
+    /// Pairs of elements too near each other for a hemicube, found in closed form instead.
+    pub near_pairs: u64,
+}
+
 /// How the linear system was solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolverReport {
     /// Gauss–Seidel sweeps.
     pub sweeps: u32,

@@ -1,3 +1,6 @@
+use super::form_factor::FormFactors;
+use super::solve::Solver;
+
 /// How a bake is done: where it spends its time and what it stores.
 ///
 /// Start from a preset and change what you need:
@@ -20,7 +23,9 @@ pub struct BakeSettings {
     /// How many elements the indirect light is solved on, roughly. Surfaces are cut or merged to
     /// an even size to come near it. Limit: 1..=4,000,000.
     pub elements: u32,
-    /// Rays a row of the form-factor matrix. Error of an element ≈ 3 % · (64 / rays)^0.7.
+    /// How form factors between elements are found.
+    pub form_factors: FormFactors,
+    /// Rays a row of the hit list, the default [`FormFactors`]. Error of an element ≈ 3 % · (64 / rays)^0.7.
     /// Limit: 1..=4096.
     pub element_rays: u32,
     /// Rays that gather indirect light at each sample inside the mesh's triangles.
@@ -31,6 +36,12 @@ pub struct BakeSettings {
     pub samples_per_vertex: f32,
     /// Shadow rays from a point to the emissive surfaces, all together. Limit: 1..=4096.
     pub emitter_rays: u32,
+    /// Whether emissive surfaces are sampled, as they should: small ones by light trees and shadow
+    /// rays. Without it lamps are left to be found by form factors and gathering rays, the way of
+    /// the first radiosity programs, which takes a hundred times as many for the same error.
+    pub sample_emitters: bool,
+    /// How the linear system is solved.
+    pub solver: Solver,
     /// The solver stops when the residual's bound on the error, relative to the mean, is below this.
     /// Limit: > 0.
     pub solver_tolerance: f32,
@@ -38,6 +49,8 @@ pub struct BakeSettings {
     pub max_sweeps: u32,
     /// Reflectance is clamped to this, so that light dies out. Limit: 0..1, 1 excluded.
     pub max_reflectance: f32,
+    /// A bake that would need more bytes than this is refused before it starts.
+    pub max_memory: u64,
     /// Another seed, another noise pattern.
     pub seed: u32,
 }
@@ -47,13 +60,17 @@ impl BakeSettings {
     pub const DRAFT: Self = Self {
         max_edge: None,
         elements: 4_000,
+        form_factors: FormFactors::HitList,
         element_rays: 32,
         gather_rays: 24,
         samples_per_vertex: 6.0,
         emitter_rays: 8,
+        sample_emitters: true,
+        solver: Solver::GaussSeidelMeanField,
         solver_tolerance: 1e-2,
         max_sweeps: 100,
         max_reflectance: 0.99,
+        max_memory: 8 << 30,
         seed: 0,
     };
 
@@ -126,6 +143,31 @@ impl BakeSettings {
         rays("emitter_rays", self.emitter_rays)?;
         let elements = (1..=4_000_000).contains(&self.elements);
         check("elements", self.elements as f32, elements, "1 to 4,000,000")?;
+        match self.form_factors {
+            FormFactors::HitList => {}
+            FormFactors::Hemicube { resolution } => check(
+                "resolution of the hemicube",
+                resolution as f32,
+                (16..=512).contains(&resolution) && resolution.is_multiple_of(2),
+                "an even number, 16 to 512",
+            )?,
+            FormFactors::Analytic { visibility_rays } => check(
+                "visibility_rays",
+                visibility_rays as f32,
+                (1..=16384).contains(&visibility_rays),
+                "1 to 16,384",
+            )?,
+            FormFactors::AreaSampling { samples } => check(
+                "samples of area sampling",
+                samples as f32,
+                (1..=16384).contains(&samples),
+                "1 to 16,384",
+            )?,
+        }
+        if let Solver::Sor { omega } = self.solver {
+            let ok = omega > 0.0 && omega < 2.0;
+            check("omega", omega, ok, "above 0, below 2")?;
+        }
         let samples = self.samples_per_vertex;
         check(
             "samples_per_vertex",

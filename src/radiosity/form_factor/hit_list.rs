@@ -1,23 +1,17 @@
-use glam::{DVec3, Vec3, Vec3A};
+use glam::{DVec3, Vec3A};
 
 use crate::radiosity::bounds::Reach;
-use crate::radiosity::change::Change;
-use crate::radiosity::element::{ElementId, Elements};
-use crate::radiosity::emitter::{Emitters, Receiver};
+use crate::radiosity::element::ElementId;
+use crate::radiosity::emitter::Receiver;
 use crate::radiosity::observer::{Observer, Stage};
-use crate::radiosity::occlusion::{OFFSET, Occluders};
+use crate::radiosity::occlusion::OFFSET;
 use crate::radiosity::parallel::{Cancelled, map_ranges};
+use crate::radiosity::report::FormFactorReport;
 use crate::radiosity::sampling::{cosine_hemisphere, frame, hash, sobol};
-use crate::radiosity::validate::ValidScene;
 
-/// In place of an element: the ray met the sky.
-pub(crate) const SKY: u32 = u32::MAX;
-
-/// In place of an element: the ray met the black back of a surface.
-pub(crate) const BLACK: u32 = u32::MAX - 1;
-
-/// In place of an element that is no more.
-pub(crate) const GONE: u32 = u32::MAX - 2;
+use super::View;
+use super::matrix::Matrix;
+use super::traced::{BLACK, GONE, Met, RowsBefore, SKY, Traced};
 
 /// The form-factor matrix as a list of ray hits.
 ///
@@ -70,6 +64,24 @@ impl HitList {
         &self.ids[e * self.rays..(e + 1) * self.rays]
     }
 
+    /// Tells `found` of every hit of a row.
+    pub(super) fn each(&self, e: usize, mut found: impl FnMut(u32, f32)) {
+        let weight = 1.0 / self.rays as f32;
+        for &id in self.row(e).iter().filter(|&&id| id < GONE) {
+            found(id, weight);
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.hits.len()
+    }
+
+    /// What every ray met.
+    #[cfg(test)]
+    pub(super) fn ids(&self) -> &[u32] {
+        &self.ids
+    }
+
     pub(crate) fn bytes(&self) -> u64 {
         4 * (self.ids.len() + self.hits.len()) as u64
     }
@@ -91,50 +103,6 @@ impl HitList {
     }
 }
 
-/// What the rays of all elements found.
-pub(crate) struct Traced {
-    pub(crate) rows: HitList,
-    /// Rays of each element that met the sky.
-    sky: Vec<u32>,
-    /// Rays that met sampled emitters: those of element `e` from `first_met[e]` on.
-    met: Vec<Met>,
-    first_met: Vec<u32>,
-    /// How far each ray went; empty if nobody will ask.
-    reaches: Vec<Reach>,
-}
-
-/// A ray of an element that met a sampled emitter.
-#[derive(Clone, Copy)]
-struct Met {
-    /// Which ray of the element.
-    ray: u32,
-    element: u32,
-    /// How much of the emitter's light counts.
-    weight: f32,
-}
-
-/// What an earlier bake's rays found, of which much is still true.
-pub(crate) struct RowsBefore<'a> {
-    pub(crate) traced: &'a Traced,
-    pub(crate) change: &'a Change,
-    /// The emitters to sample are others than then.
-    pub(crate) new_emitters: bool,
-}
-
-/// What [`trace`] looks at.
-pub(crate) struct RowTracer<'a> {
-    pub(crate) scene: &'a ValidScene,
-    pub(crate) occluders: Occluders<'a>,
-    pub(crate) elements: &'a Elements,
-    pub(crate) emitters: Emitters<'a>,
-    /// Elements whose light is sampled.
-    pub(crate) marks: &'a [bool],
-    pub(crate) rays: u32,
-    pub(crate) seed: u32,
-    /// Whether to note how far rays went.
-    pub(crate) remember: bool,
-}
-
 /// Elements a thread takes at a time: a few milliseconds' work.
 const CHUNK: usize = 64;
 
@@ -153,40 +121,48 @@ struct Rows {
 /// Traces cosine-distributed rays from points spread over each element, those that `before` does
 /// not answer. Returns how many that were.
 pub(crate) fn trace(
-    tracer: &RowTracer,
+    view: &View,
     before: Option<&RowsBefore>,
     observer: &dyn Observer,
 ) -> Result<(Traced, u64), Cancelled> {
-    let count = tracer.elements.len();
+    let count = view.elements.len();
     let chunks = map_ranges(count, CHUNK, Stage::FormFactors, observer, |range| {
         let mut rows = Rows::default();
-        rows.ids.reserve_exact(range.len() * tracer.rays as usize);
+        rows.ids
+            .reserve_exact(range.len() * view.settings.element_rays as usize);
         for e in range {
             let met = rows.met.len();
             let kept = before.and_then(|b| Some((b, b.change.element_before[e]?)));
             let misses = match kept {
-                Some((before, old)) => tracer.row_again(e, before, old as usize, &mut rows),
-                None => (0..tracer.rays).map(|i| tracer.ray(e, i, &mut rows)).sum(),
+                Some((before, old)) => view.row_again(e, before, old as usize, &mut rows),
+                None => (0..view.settings.element_rays)
+                    .map(|i| view.ray(e, i, &mut rows))
+                    .sum(),
             };
             rows.sky.push(misses);
             rows.met_count.push((rows.met.len() - met) as u32);
         }
         rows
     })?;
-    let rays = count * tracer.rays as usize;
+    let rays = count * view.settings.element_rays as usize;
     let mut ids = Vec::with_capacity(rays);
+    let per_ray = 1.0 / view.settings.element_rays as f32;
     let mut traced = Traced {
-        rows: HitList::new(1, Vec::new()),
+        rows: Matrix::Hits(HitList::new(1, Vec::new())),
+        report: FormFactorReport::default(),
         sky: Vec::with_capacity(count),
         met: Vec::new(),
         first_met: vec![0],
-        reaches: Vec::with_capacity(if tracer.remember { rays } else { 0 }),
+        per_ray,
+        reaches: Vec::with_capacity(if view.remember { rays } else { 0 }),
     };
     let (mut cost, mut end) = (0, 0);
     for rows in chunks {
         ids.extend(rows.ids);
         traced.reaches.extend(rows.reaches);
-        traced.sky.extend(rows.sky);
+        traced
+            .sky
+            .extend(rows.sky.iter().map(|&sky| sky as f32 * per_ray));
         traced.met.extend(rows.met);
         for count in rows.met_count {
             end += count;
@@ -194,23 +170,31 @@ pub(crate) fn trace(
         }
         cost += rows.traced;
     }
-    traced.rows = HitList::new(tracer.rays as usize, ids);
+    let rows = HitList::new(view.settings.element_rays as usize, ids);
+    let most = rows.hits.iter().max().copied().unwrap_or(0);
+    traced.report.largest_row_sum = f64::from(most) * f64::from(per_ray);
+    traced.rows = Matrix::Hits(rows);
     Ok((traced, cost))
 }
 
-impl RowTracer<'_> {
+impl View<'_> {
     /// Takes over a row, tracing again what may have changed. Returns how many rays met the sky.
     fn row_again(&self, e: usize, before: &RowsBefore, old: usize, rows: &mut Rows) -> u32 {
         let sphere = self.elements.sphere(self.scene, ElementId(e as u32));
         let disturbed = before.change.disturbed.from(sphere);
         let traced = before.traced;
+        let Matrix::Hits(hits) = &traced.rows else {
+            return (0..self.settings.element_rays)
+                .map(|i| self.ray(e, i, rows))
+                .sum();
+        };
         let mut met = traced.met_of(old).iter().peekable();
-        let first = old * self.rays as usize;
+        let first = old * self.settings.element_rays as usize;
         let mut sky = 0;
-        for i in 0..self.rays {
+        for i in 0..self.settings.element_rays {
             let known = met.next_if(|m| m.ray == i);
             let reach = traced.reaches[first + i as usize];
-            let id = before.change.translate(traced.rows.ids[first + i as usize]);
+            let id = before.change.translate(hits.ids[first + i as usize]);
             let other = before.new_emitters
                 && (known.is_some() || self.marks.get(id as usize).is_some_and(|&m| m));
             if id == GONE || other || disturbed.ray(reach) {
@@ -227,7 +211,7 @@ impl RowTracer<'_> {
 
     /// Traces a ray. Returns 1 if it met the sky.
     fn ray(&self, e: usize, i: u32, rows: &mut Rows) -> u32 {
-        let seed = self.elements.seed(ElementId(e as u32), self.seed);
+        let seed = self.elements.seed(ElementId(e as u32), self.settings.seed);
         let [u, v, s, t] = sobol(i, 0, seed);
         let point = self.elements.point(self.scene, ElementId(e as u32), u, v);
         let direction = frame(point.normal) * cosine_hemisphere(s, t);
@@ -261,42 +245,6 @@ impl RowTracer<'_> {
             });
         }
         0
-    }
-}
-
-impl Traced {
-    fn met_of(&self, e: usize) -> &[Met] {
-        &self.met[self.first_met[e] as usize..self.first_met[e + 1] as usize]
-    }
-
-    /// Light of sky and emitters that the rays of an element came upon, with the weight that
-    /// belongs to rays. `loose` is the emission that is not sampled, `None` if there is none.
-    pub(crate) fn found(
-        &self,
-        e: usize,
-        elements: &Elements,
-        loose: Option<&[Vec3A]>,
-        sky: Vec3,
-    ) -> Vec3 {
-        let met = self.met_of(e).iter();
-        let sampled: Vec3 = met
-            .map(|m| elements.emission[m.element as usize] * m.weight)
-            .sum();
-        let loose = loose.map_or(Vec3::ZERO, |l| self.rows.gather(e, l).as_vec3());
-        (sky * self.sky[e] as f32 + sampled) / self.rows.rays as f32 + loose
-    }
-
-    pub(crate) fn bytes(&self) -> u64 {
-        self.rows.bytes()
-            + (4 * (self.sky.len() + self.first_met.len())
-                + size_of_val(&*self.met)
-                + size_of_val(&*self.reaches)) as u64
-    }
-
-    /// What every ray met and how far off: for tests.
-    #[cfg(test)]
-    pub(crate) fn hits(&self) -> (&[u32], &[Reach]) {
-        (&self.rows.ids, &self.reaches)
     }
 }
 

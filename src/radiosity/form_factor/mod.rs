@@ -2,7 +2,59 @@
 //!
 //! `F_ij` is the share of the light leaving element *i* that reaches element *j*; by reciprocity
 //! (`A_i F_ij = A_j F_ji`) it is also the weight with which the radiosity of *j* arrives at *i*.
+//!
+//! | file | |
+//! |---|---|
+//! | `method` | the methods to choose from |
+//! | `hit_list` | cosine-distributed rays: the default |
+//! | `matrix` | how rows are kept |
+//! | `traced` | what a method found: rows, sky, emitters met by chance |
 
+mod analytic;
 mod hit_list;
+mod matrix;
+mod method;
+mod traced;
 
-pub(crate) use hit_list::{BLACK, GONE, HitList, RowTracer, RowsBefore, SKY, Traced, trace};
+use crate::radiosity::element::Elements;
+use crate::radiosity::emitter::Emitters;
+use crate::radiosity::observer::Observer;
+use crate::radiosity::occlusion::Occluders;
+use crate::radiosity::parallel::Cancelled;
+use crate::radiosity::settings::BakeSettings;
+use crate::radiosity::validate::ValidScene;
+
+#[cfg(test)]
+pub(crate) use hit_list::HitList;
+pub(crate) use matrix::Matrix;
+pub use method::FormFactors;
+pub(crate) use traced::{BLACK, GONE, RowsBefore, SKY, Traced};
+
+/// What elements look at.
+#[derive(Clone, Copy)]
+pub(crate) struct View<'a> {
+    pub(crate) scene: &'a ValidScene,
+    pub(crate) occluders: Occluders<'a>,
+    pub(crate) elements: &'a Elements,
+    pub(crate) emitters: Emitters<'a>,
+    /// Elements whose emission is sampled: what form factors find of it does not count, or in part.
+    pub(crate) marks: &'a [bool],
+    pub(crate) settings: &'a BakeSettings,
+    /// Whether to note how far rays went.
+    pub(crate) remember: bool,
+}
+
+/// Finds the form factors of all elements, those that `before` does not answer. Returns how many
+/// closest-hit rays that took.
+pub(crate) fn form_factors(
+    view: &View,
+    before: Option<&RowsBefore>,
+    observer: &dyn Observer,
+) -> Result<(Traced, u64), Cancelled> {
+    match view.settings.form_factors {
+        FormFactors::HitList => hit_list::trace(view, before, observer),
+        FormFactors::Hemicube { .. }
+        | FormFactors::Analytic { .. }
+        | FormFactors::AreaSampling { .. } => todo!(),
+    }
+}

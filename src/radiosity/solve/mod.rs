@@ -1,12 +1,17 @@
+mod method;
+
+pub use method::Solver;
+
 use std::ops::Range;
 
 use glam::{DVec3, Vec3, Vec3A};
 
-use super::color::divide;
-use super::element::Elements;
-use super::form_factor::HitList;
-use super::parallel::{Cancelled, map_chunks};
-use super::report::SolverReport;
+use crate::radiosity::color::divide;
+use crate::radiosity::element::Elements;
+use crate::radiosity::form_factor::Matrix;
+use crate::radiosity::parallel::{Cancelled, map_chunks};
+use crate::radiosity::report::SolverReport;
+use crate::radiosity::settings::BakeSettings;
 
 /// A solution of the radiosity system.
 pub(crate) struct Solution {
@@ -33,20 +38,16 @@ pub(crate) struct Solution {
 ///
 /// which removes the slowest mode, light that is everywhere too low by the same factor. A `start`
 /// that is near the solution saves sweeps.
-pub(crate) fn gauss_seidel(
-    elements: &Elements,
-    rows: &HitList,
-    direct: &[Vec3],
-    tolerance: f32,
-    max_sweeps: u32,
+pub(crate) fn solve(
+    system: &System,
+    settings: &BakeSettings,
     start: Option<Vec<Vec3A>>,
     mut go_on: impl FnMut() -> bool,
 ) -> Result<Solution, Cancelled> {
-    let system = System {
-        elements,
-        rows,
-        direct,
-    };
+    let System {
+        elements, direct, ..
+    } = *system;
+    let (tolerance, max_sweeps) = (settings.solver_tolerance, settings.max_sweeps);
     let contraction = system.contraction();
     let mean_field = system.mean_field_gain();
     let bounced_once = || (0..direct.len()).map(|e| (direct[e] * elements.reflectance[e]).into());
@@ -86,10 +87,13 @@ const BETWEEN_QUESTIONS: usize = 4096;
 /// Elements a thread takes at a time when the state is looked at.
 const CHUNK: usize = 1024;
 
-struct System<'a> {
-    elements: &'a Elements,
-    rows: &'a HitList,
-    direct: &'a [Vec3],
+/// The system `R = ρ (D + F R)`.
+pub(crate) struct System<'a> {
+    pub(crate) elements: &'a Elements,
+    /// `F`.
+    pub(crate) rows: &'a Matrix,
+    /// `D`, direct light at each element.
+    pub(crate) direct: &'a [Vec3],
 }
 
 /// What can be said of some reflected light, or of part of it.
@@ -169,13 +173,13 @@ impl System<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::radiosity::sampling::{hash, unit_float};
+    use crate::radiosity::*;
 
     /// A random enclosure: `n` elements, rows of hits at random, some open, reflectances up to `brightest`.
     struct Enclosure {
         elements: Elements,
-        rows: HitList,
+        rows: Matrix,
         direct: Vec<Vec3>,
         matrix: Vec<Vec<f64>>,
     }
@@ -216,7 +220,7 @@ mod tests {
                     reflectance,
                     (0..n as u32).map(|e| 0.1 + random(e, 30)).collect(),
                 ),
-                rows: HitList::from_rows(&ids),
+                rows: Matrix::Hits(HitList::from_rows(&ids)),
                 matrix,
             }
         }
@@ -255,6 +259,20 @@ mod tests {
             x
         }
 
+        fn solved(&self, tolerance: f32, sweeps: u32) -> Solution {
+            let system = System {
+                elements: &self.elements,
+                rows: &self.rows,
+                direct: &self.direct,
+            };
+            let settings = BakeSettings {
+                solver_tolerance: tolerance,
+                max_sweeps: sweeps,
+                ..BakeSettings::DRAFT
+            };
+            solve(&system, &settings, None, || true).unwrap()
+        }
+
         fn largest_error(&self, solution: &Solution) -> f64 {
             (0..3)
                 .flat_map(|c| {
@@ -273,16 +291,7 @@ mod tests {
         for seed in 0..120 {
             let enclosure = Enclosure::random(seed);
             for sweeps in [0, 1, 3, 100] {
-                let solution = gauss_seidel(
-                    &enclosure.elements,
-                    &enclosure.rows,
-                    &enclosure.direct,
-                    1e-4,
-                    sweeps,
-                    None,
-                    || true,
-                )
-                .unwrap();
+                let solution = enclosure.solved(1e-4, sweeps);
                 let error = enclosure.largest_error(&solution);
                 // Radiances are stored as f32: half a unit in the last place is not the solver's.
                 let storage = 1e-6 * enclosure.exact(2).into_iter().fold(1.0, f64::max);
@@ -317,16 +326,13 @@ mod tests {
         let direct: Vec<Vec3> = (0..n)
             .map(|e| Vec3::splat(f32::from(u8::from(e < 4))))
             .collect();
-        let solution = gauss_seidel(
-            &elements,
-            &HitList::from_rows(&ids),
-            &direct,
-            1e-3,
-            100,
-            None,
-            || true,
-        )
-        .unwrap();
+        let enclosure = Enclosure {
+            elements,
+            rows: Matrix::Hits(HitList::from_rows(&ids)),
+            direct,
+            matrix: Vec::new(),
+        };
+        let solution = enclosure.solved(1e-3, 100);
         assert!(
             solution.report.converged && solution.report.sweeps <= 20,
             "{:?}",
@@ -337,16 +343,7 @@ mod tests {
     #[test]
     fn stopping_early_is_reported() {
         let enclosure = Enclosure::random(2);
-        let solution = gauss_seidel(
-            &enclosure.elements,
-            &enclosure.rows,
-            &enclosure.direct,
-            1e-9,
-            2,
-            None,
-            || true,
-        )
-        .unwrap();
+        let solution = enclosure.solved(1e-9, 2);
         assert!(!solution.report.converged);
         assert_eq!(solution.report.sweeps, 2);
     }

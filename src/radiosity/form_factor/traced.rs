@@ -1,0 +1,101 @@
+use glam::{Vec3, Vec3A};
+
+use super::matrix::{Matrix, Row};
+use crate::radiosity::bounds::Reach;
+use crate::radiosity::change::Change;
+use crate::radiosity::element::Elements;
+use crate::radiosity::report::FormFactorReport;
+
+/// In place of an element: the ray met the sky.
+pub(crate) const SKY: u32 = u32::MAX;
+
+/// In place of an element: the ray met the black back of a surface.
+pub(crate) const BLACK: u32 = u32::MAX - 1;
+
+/// In place of an element that is no more.
+pub(crate) const GONE: u32 = u32::MAX - 2;
+
+/// What the rays of all elements found.
+pub(crate) struct Traced {
+    pub(crate) rows: Matrix,
+    pub(crate) report: FormFactorReport,
+    /// The share of each element's view that is sky.
+    pub(super) sky: Vec<f32>,
+    /// Rays that met sampled emitters: those of element `e` from `first_met[e]` on.
+    pub(super) met: Vec<Met>,
+    pub(super) first_met: Vec<u32>,
+    /// One ray's share of a view.
+    pub(super) per_ray: f32,
+    /// How far each ray went; empty if nobody will ask.
+    pub(super) reaches: Vec<Reach>,
+}
+
+/// A ray of an element that met a sampled emitter.
+#[derive(Clone, Copy)]
+pub(super) struct Met {
+    /// Which ray of the element.
+    pub(super) ray: u32,
+    pub(super) element: u32,
+    /// How much of the emitter's light counts.
+    pub(super) weight: f32,
+}
+
+/// What an earlier bake's rays found, of which much is still true.
+pub(crate) struct RowsBefore<'a> {
+    pub(crate) traced: &'a Traced,
+    pub(crate) change: &'a Change,
+    /// The emitters to sample are others than then.
+    pub(crate) new_emitters: bool,
+}
+
+impl Traced {
+    /// From rows without rays.
+    pub(super) fn of_rows(rows: &[Row], report: FormFactorReport) -> Self {
+        Self {
+            rows: Matrix::of(rows),
+            report,
+            sky: rows.iter().map(|r| r.sky).collect(),
+            met: Vec::new(),
+            first_met: vec![0; rows.len() + 1],
+            per_ray: 0.0,
+            reaches: Vec::new(),
+        }
+    }
+
+    pub(super) fn met_of(&self, e: usize) -> &[Met] {
+        &self.met[self.first_met[e] as usize..self.first_met[e + 1] as usize]
+    }
+
+    /// Light of sky and emitters that the rays of an element came upon, with the weight that
+    /// belongs to rays. `loose` is the emission that is not sampled, `None` if there is none.
+    pub(crate) fn found(
+        &self,
+        e: usize,
+        elements: &Elements,
+        loose: Option<&[Vec3A]>,
+        sky: Vec3,
+    ) -> Vec3 {
+        let met = self.met_of(e).iter();
+        let sampled: Vec3 = met
+            .map(|m| elements.emission[m.element as usize] * m.weight)
+            .sum();
+        let loose = loose.map_or(Vec3::ZERO, |l| self.rows.gather(e, l).as_vec3());
+        sky * self.sky[e] + sampled * self.per_ray + loose
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.rows.bytes()
+            + (4 * (self.sky.len() + self.first_met.len())
+                + size_of_val(&*self.met)
+                + size_of_val(&*self.reaches)) as u64
+    }
+
+    /// What every ray met and how far off: for tests.
+    #[cfg(test)]
+    pub(crate) fn hits(&self) -> (&[u32], &[Reach]) {
+        let Matrix::Hits(hits) = &self.rows else {
+            return (&[], &self.reaches);
+        };
+        (hits.ids(), &self.reaches)
+    }
+}
