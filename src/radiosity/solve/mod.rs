@@ -174,7 +174,7 @@ impl System<'_> {
 #[cfg(test)]
 mod tests {
     use crate::radiosity::sampling::{hash, unit_float};
-    use crate::radiosity::*;
+    use super::*;
 
     /// A random enclosure: `n` elements, rows of hits at random, some open, reflectances up to `brightest`.
     struct Enclosure {
