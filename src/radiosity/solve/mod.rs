@@ -173,8 +173,9 @@ impl System<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::radiosity::sampling::{hash, unit_float};
     use super::*;
+    use crate::radiosity::form_factor::HitList;
+    use crate::radiosity::sampling::{hash, unit_float};
 
     /// A random enclosure: `n` elements, rows of hits at random, some open, reflectances up to `brightest`.
     struct Enclosure {
