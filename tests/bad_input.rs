@@ -5,7 +5,7 @@
 mod common;
 
 use bevy_fresco::radiosity::{
-    BakeError, BakeSettings, Light, LightKind, MaterialId, Object, Scene, SceneError, bake,
+    BakeError, BakeSettings, FormFactors, Light, LightKind, MaterialId, Object, Scene, SceneError, bake,
 };
 use common::{grey, quad, room, scene, values};
 use glam::{DVec3, Vec3};
@@ -173,10 +173,35 @@ fn settings_out_of_range_name_the_setting() {
 fn edges_too_short_to_split_are_refused() {
     let settings = BakeSettings {
         max_edge: Some(1e-6),
+        max_memory: u64::MAX,
         ..draft()
     };
     let error = bake(&lit_room().validate().unwrap(), &settings, &()).unwrap_err();
     assert!(matches!(error, BakeError::Split(_)), "{error}");
+}
+
+#[test]
+fn more_memory_than_allowed_is_refused() {
+    let scene = lit_room().validate().unwrap();
+    let refused = |settings: &BakeSettings| {
+        let error = bake(&scene, settings, &()).unwrap_err();
+        assert!(matches!(error, BakeError::Memory { .. }), "{error}");
+        error.to_string()
+    };
+    let pairs = BakeSettings {
+        elements: 200_000,
+        form_factors: FormFactors::Analytic { visibility_rays: 1 },
+        ..draft()
+    };
+    let text = refused(&pairs);
+    assert!(
+        text.contains("max_memory") && text.contains("elements"),
+        "{text}"
+    );
+    refused(&BakeSettings {
+        max_memory: 1 << 20,
+        ..draft()
+    });
 }
 
 /// Light does not depend on the unit of length: bit for bit, as long as it is a power of two.

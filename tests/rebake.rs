@@ -99,7 +99,13 @@ fn only_stages_that_a_change_made_stale_run() {
         range: f32::INFINITY,
     };
     let moved = baker.bake(s, &()).unwrap();
-    let with_rays = [Stage::Direct, Stage::Solve, Stage::Gather, Stage::Fit];
+    let with_rays = [
+        Stage::Direct,
+        Stage::Solve,
+        Stage::Error,
+        Stage::Gather,
+        Stage::Fit,
+    ];
     assert_eq!(stages(&moved), with_rays);
     assert!(moved.report.work.light_rays > 0 && moved.report.work.element_rays == 0);
 }

@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 
+use super::method::MethodArgs;
 use crate::radiosity::{BakeSettings, DirectLight};
 
 /// Bakes the diffuse light of glTF scenes into their vertices.
@@ -128,6 +129,11 @@ pub(super) struct SettingsArgs {
     /// Seed of the noise pattern [0]
     #[arg(long, value_name = "N")]
     seed: Option<u32>,
+    #[command(flatten)]
+    pub(super) method: MethodArgs,
+    /// Refuse a bake that needs more memory, in bytes or like 500M, 4G [default: what is free]
+    #[arg(long, value_name = "BYTES", value_parser = super::memory::amount, help_heading = "Work")]
+    pub(super) max_memory: Option<u64>,
     /// Threads to work on, at least 1; the result is the same for any number [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024),
           help_heading = "Work")]
@@ -189,7 +195,10 @@ impl SettingsArgs {
             max_sweeps: self.max_sweeps.unwrap_or(preset.max_sweeps),
             max_reflectance: self.max_reflectance.unwrap_or(preset.max_reflectance),
             seed: self.seed.unwrap_or(preset.seed),
-            ..preset
+            form_factors: self.method.form_factors(self.preset),
+            sample_emitters: !self.method.no_emitter_sampling,
+            solver: self.method.solver(),
+            max_memory: self.max_memory.unwrap_or(preset.max_memory),
         }
     }
 

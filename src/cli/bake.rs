@@ -95,7 +95,9 @@ fn make(
     if args.settings.no_refine {
         settings.max_edge = None;
     }
-    memory::check(estimate_counts(&loaded.scene, &settings).bytes)?;
+    let needed = estimate_counts(&loaded.scene, &settings).bytes;
+    memory::check(needed, args.settings.max_memory)?;
+    settings.max_memory = u64::MAX;
 
     let bake = bake(&loaded.scene, &settings, &progress)?;
     times.extend((bake.report.stages.iter()).map(|&(stage, time)| (stage.name(), time)));

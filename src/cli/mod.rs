@@ -12,6 +12,7 @@ mod bake;
 mod failure;
 mod info;
 mod memory;
+mod method;
 mod outputs;
 mod picture;
 mod progress;

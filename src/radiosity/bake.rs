@@ -1,5 +1,6 @@
 use super::baked::Bake;
 use super::element_light::ElementLight;
+use super::estimate::estimate_counts;
 use super::observer::Observer;
 use super::pipeline::{run, run_elements};
 use super::settings::{BakeSettings, InvalidSetting};
@@ -20,6 +21,18 @@ pub enum BakeError {
     /// The scene cannot be baked.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// It would need more memory than the settings allow.
+    #[error(
+        "the bake needs about {:.1} GB of memory and max_memory allows {:.1} GB: lower elements, raise \
+         max_edge, use FormFactors::HitList, or raise max_memory",
+        *needed as f64 / 1e9, *allowed as f64 / 1e9
+    )]
+    Memory {
+        /// Estimate of the peak, in bytes.
+        needed: u64,
+        /// [`BakeSettings::max_memory`].
+        allowed: u64,
+    },
     /// Edges cannot be split as asked.
     #[error(transparent)]
     Split(#[from] SplitError),
@@ -37,13 +50,14 @@ pub enum BakeError {
 ///
 /// # Errors
 ///
-/// [`BakeError::Cancelled`] if the observer said so, else what is wrong with a setting.
+/// [`BakeError::Cancelled`] if the observer said so, [`BakeError::Memory`] if the bake would need more
+/// than it may have, else what is wrong with a setting.
 pub fn bake(
     scene: &ValidScene,
     settings: &BakeSettings,
     observer: &dyn Observer,
 ) -> Result<Bake, BakeError> {
-    settings.check()?;
+    check(scene, settings)?;
     Ok(run(scene, settings, Start::default(), observer)?.0)
 }
 
@@ -59,6 +73,16 @@ pub fn solve_elements(
     settings: &BakeSettings,
     observer: &dyn Observer,
 ) -> Result<ElementLight, BakeError> {
-    settings.check()?;
+    check(scene, settings)?;
     run_elements(scene, settings, observer)
+}
+
+/// Whether the settings are within their limits and the bake within the memory it may have.
+pub(crate) fn check(scene: &ValidScene, settings: &BakeSettings) -> Result<(), BakeError> {
+    settings.check()?;
+    let (needed, allowed) = (estimate_counts(scene, settings).bytes, settings.max_memory);
+    if needed > allowed {
+        return Err(BakeError::Memory { needed, allowed });
+    }
+    Ok(())
 }

@@ -1,6 +1,6 @@
 use glam::Vec3;
 
-use super::bake::BakeError;
+use super::bake::{BakeError, check};
 use super::baked::{Bake, ObjectLight};
 use super::element::Elements;
 use super::observer::Observer;
@@ -95,6 +95,7 @@ impl Baker {
             }
             Err(error) => return Err(error.into()),
         };
+        check(&scene, &self.settings)?;
         let kept = self
             .kept
             .as_ref()

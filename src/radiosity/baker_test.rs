@@ -229,7 +229,7 @@ fn turned(object: &mut Object, angle: f32, scale: Vec3) {
 }
 
 fn no_rays(r: &Report) -> bool {
-    r.work.traced() == 0 && r.work.hierarchy_builds == 0 && r.work.cross_validations == 0
+    r.work.rays() == 0 && r.work.hierarchy_builds == 0 && r.work.cross_validations == 0
 }
 
 fn lights_only(r: &Report) -> bool {

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use glam::{Vec3, Vec3A};
 
 use super::bounds::{Disturbed, Sphere};
@@ -18,6 +20,9 @@ const CHUNK: usize = 64;
 
 /// Points on an element at which light is tested; samples of emitters are shared out among them.
 const POINTS: u32 = 4;
+
+/// All of them.
+const ALL: Range<u32> = 0..POINTS;
 
 /// How lights and sampled emitters reach each element, whatever their colours.
 pub(crate) struct Direct {
@@ -120,7 +125,7 @@ impl Sampler<'_> {
             let still = |b: &DirectBefore| !crosses(&b.change.disturbed, light, sphere());
             match (known, kept) {
                 (Some(value), Some((b, _))) if still(b) => value,
-                _ => self.reached(e, l, light, &mut rays.lights),
+                _ => self.reached(e, l, ALL, &mut rays.lights),
             }
         });
         let reached = reached.collect();
@@ -129,15 +134,17 @@ impl Sampler<'_> {
         };
         let sampled = match kept {
             Some((b, old)) if still(b) => b.sampled(old),
-            _ => self.sampled(e, &mut rays.emitters),
+            _ => self.sampled(e, ALL, &mut rays.emitters),
         };
         AtElement { reached, sampled }
     }
 
     /// Mean over points spread over the element.
-    fn reached(&self, e: usize, l: usize, light: &Light, rays: &mut u64) -> f32 {
+    fn reached(&self, e: usize, l: usize, points: Range<u32>, rays: &mut u64) -> f32 {
         let seed = self.seed(e);
         let light_seed = hash(seed, light_seed(self.scene, l));
+        let light = &self.scene.lights[l];
+        let count = points.len() as f32;
         let at = |i| {
             illumination(
                 light,
@@ -147,15 +154,16 @@ impl Sampler<'_> {
                 rays,
             )
         };
-        (0..POINTS).map(at).sum::<f32>() / POINTS as f32
+        points.map(at).sum::<f32>() / count
     }
 
     /// The same of emitters, by element that shines.
-    fn sampled(&self, e: usize, rays: &mut u64) -> Vec<(u32, f32)> {
+    fn sampled(&self, e: usize, points: Range<u32>, rays: &mut u64) -> Vec<(u32, f32)> {
         let seed = self.seed(e);
         let share = self.emitters.samples.div_ceil(POINTS);
+        let count = points.len() as f32;
         let mut sums: Vec<(u32, f32)> = Vec::new();
-        for i in 0..POINTS {
+        for i in points {
             let receiver = self.receiver(e, i, seed);
             let block = i * share..(i + 1) * share;
             *rays += self.emitters.sample(
@@ -164,10 +172,27 @@ impl Sampler<'_> {
                 &receiver,
                 seed,
                 block,
-                |from, light| add(&mut sums, from, light / POINTS as f32),
+                |from, light| add(&mut sums, from, light / count),
             );
         }
         sums
+    }
+
+    /// Light of lights and sampled emitters at one element, as each half of the points tells it.
+    pub(crate) fn halves(&self, e: usize, rays: &mut ShadowRays) -> [Vec3; 2] {
+        [0..POINTS / 2, POINTS / 2..POINTS].map(|points| {
+            let lights = self.scene.lights.iter().enumerate();
+            let lit: Vec3 = lights
+                .filter(|(_, light)| shines(light))
+                .map(|(l, light)| {
+                    light.power * self.reached(e, l, points.clone(), &mut rays.lights)
+                })
+                .sum();
+            let sampled = self.sampled(e, points, &mut rays.emitters);
+            let emission =
+                |&(from, light): &(u32, f32)| self.elements.emission[from as usize] * light;
+            lit + sampled.iter().map(emission).sum::<Vec3>()
+        })
     }
 
     fn seed(&self, e: usize) -> u32 {
@@ -183,6 +208,13 @@ impl Sampler<'_> {
             triangle: point.triangle,
         }
     }
+}
+
+/// The emission of each element that is left to form factors.
+pub(crate) fn loose_emission(elements: &Elements, marks: &[bool]) -> Vec<Vec3A> {
+    (elements.emission.iter().zip(marks))
+        .map(|(&e, &sampled)| Vec3A::from(if sampled { Vec3::ZERO } else { e }))
+        .collect()
 }
 
 /// Adds to the entry of an element, of which there are few.
@@ -267,9 +299,7 @@ impl Direct {
         traced: &Traced,
         marks: &[bool],
     ) -> Vec<Vec3> {
-        let loose: Vec<Vec3A> = (elements.emission.iter().zip(marks))
-            .map(|(&e, &sampled)| Vec3A::from(if sampled { Vec3::ZERO } else { e }))
-            .collect();
+        let loose = loose_emission(elements, marks);
         let any = loose.iter().any(|&l| l != Vec3A::ZERO);
         let loose = any.then_some(&*loose);
         let lights = scene.lights.len();

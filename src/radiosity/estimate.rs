@@ -3,12 +3,14 @@ use std::time::Instant;
 use super::bake::BakeError;
 use super::bvh::BvhQuality;
 use super::element::{ElementId, Elements};
+use super::form_factor::FormFactors;
 use super::observer::{Observer, Stage};
 use super::occlusion::{Hierarchy, Holds, OFFSET, Occluders};
 use super::parallel::map_ranges;
 use super::receiver_mesh::ReceiverMeshes;
 use super::sampling::{cosine_hemisphere, frame, sobol};
 use super::settings::BakeSettings;
+use super::solve::Solver;
 use super::surface::{Pyramids, Surfaces};
 use super::triangle::area;
 use super::validate::ValidScene;
@@ -166,8 +168,37 @@ fn bytes(scene: &ValidScene, settings: &BakeSettings, counts: &Estimate, triangl
         + PER_INPUT_TRIANGLE * scene.triangles.len() as u64
         + PER_VERTEX * counts.vertices
         + PER_TRIANGLE * triangles
-        + (PER_ELEMENT + 8 * u64::from(settings.element_rays)) * counts.elements
+        + PER_ELEMENT * counts.elements
+        + matrix_bytes(settings, counts.elements)
         + PER_TEXEL * texels as u64
+}
+
+/// Bytes of the form-factor matrix while it is made, and of what the solver makes of it.
+fn matrix_bytes(settings: &BakeSettings, elements: u64) -> u64 {
+    // Bytes, and entries at most.
+    let (bytes, entries) = match settings.form_factors {
+        FormFactors::HitList => {
+            let rays = u64::from(settings.element_rays) * elements;
+            (8 * rays, rays)
+        }
+        FormFactors::Hemicube { resolution } => {
+            let pixels = 3 * u64::from(resolution).pow(2);
+            let entries = elements * pixels.min(elements);
+            (8 * entries, entries)
+        }
+        FormFactors::Analytic { .. } | FormFactors::AreaSampling { .. } => {
+            let pairs = elements * elements;
+            (4 * pairs, pairs)
+        }
+    };
+    bytes
+        + match settings.solver {
+            // Columns beside the rows.
+            Solver::ProgressiveRefinement => 8 * entries,
+            // The mean of the matrix and its transpose, in twice the entries at most.
+            Solver::ConjugateGradients => 8 * (2 * entries).min(elements * elements),
+            _ => 0,
+        }
 }
 
 /// Wall time of a ray with all threads at work: the fastest of a few rounds, the first of which

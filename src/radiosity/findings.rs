@@ -10,6 +10,7 @@ use super::gathered::TriangleSamples;
 use super::observer::Stage;
 use super::receiver_mesh::ReceiverMeshes;
 use super::report::{Counts, EnergyBalance, Report, Work};
+use super::sampling_error::SamplingError;
 use super::settings::BakeSettings;
 use super::solve::Solution;
 use super::validate::{ValidScene, shines};
@@ -24,6 +25,7 @@ pub(crate) struct Findings<'a> {
     /// Direct light at each element.
     pub(crate) arrived: &'a [Vec3],
     pub(crate) solution: &'a Solution,
+    pub(crate) error: SamplingError,
     pub(crate) stages: &'a [(Stage, Duration)],
     pub(crate) work: Work,
     pub(crate) occluder_bytes: u64,
@@ -54,7 +56,10 @@ impl Findings<'_> {
             energy,
             form_factors: self.traced.report.clone(),
             solver: self.solution.report.clone(),
-            sampling_error: vertices.map_or(0.0, |v| v.fitted.smoothing.sampling_error),
+            element_error: self.error.elements,
+            sampling_error: vertices.map_or(0.0, |v| {
+                v.fitted.smoothing.sampling_error.hypot(self.error.vertices)
+            }),
             mean_light: vertices.map_or(0.0, |v| v.fitted.mean),
             work: self.work,
             notes,

@@ -41,6 +41,7 @@
 //! | `form_factor` | rows of `F` as lists of ray hits |
 //! | `solve` | Gauss–Seidel with a mean-field correction |
 //! | `gather`, `gathered`, `fit` | irradiance inside triangles, fitted by vertex values |
+//! | `sampling_error` | how far off chance leaves the light of elements |
 //! | `element_light` | the light of elements, to look at |
 //! | `pipeline`, `stages` | all of it, one stage after the other, each resumed where it can be |
 //! | `bake`, `baker` | the doors: once, and again after every change |
@@ -82,6 +83,7 @@ mod preview;
 mod receiver_mesh;
 mod report;
 mod sampling;
+mod sampling_error;
 mod scene;
 mod settings;
 mod solve;

@@ -12,6 +12,8 @@ pub enum Stage {
     Direct,
     /// The radiosity system is solved.
     Solve,
+    /// A few elements are asked again, to tell how large the sampling error is.
+    Error,
     /// Irradiance is gathered inside the mesh's triangles.
     Gather,
     /// Vertex values are fitted to the gathered irradiance.
@@ -22,12 +24,13 @@ pub enum Stage {
 
 impl Stage {
     /// All stages of a bake, in the order they run.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Mesh,
         Self::Occlusion,
         Self::FormFactors,
         Self::Direct,
         Self::Solve,
+        Self::Error,
         Self::Gather,
         Self::Fit,
     ];
@@ -40,6 +43,7 @@ impl Stage {
             Self::FormFactors => "form factors",
             Self::Direct => "direct light",
             Self::Solve => "solve",
+            Self::Error => "sampling error",
             Self::Gather => "gather",
             Self::Fit => "fit vertices",
             Self::Preview => "preview",

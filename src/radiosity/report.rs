@@ -19,8 +19,11 @@ pub struct Report {
     pub form_factors: FormFactorReport,
     /// How the linear system was solved.
     pub solver: SolverReport,
-    /// Sampling error of the vertex light, relative RMS, estimated from two half-sets of samples
-    /// fitted separately. A bake that only put other colours into the samples of the one before it
+    /// Sampling error of the light of elements: RMS of what rays and shadow rays leave to chance, or
+    /// pixels to aliasing, beside the mean light. Estimated by asking a few elements twice.
+    pub element_error: f32,
+    /// Sampling error of the vertex light, RMS beside the mean: estimated from two half-sets of
+    /// samples fitted separately, and from what the elements' error adds. A bake that only put other colours into the samples of the one before it
     /// repeats that one's estimate.
     pub sampling_error: f32,
     /// Area-weighted mean of the stored light (irradiance / π), luminance in cd/m².
@@ -45,6 +48,8 @@ pub struct Work {
     pub light_rays: u64,
     /// Shadow rays to emissive surfaces and bright elements.
     pub emitter_rays: u64,
+    /// Shadow rays traced again to tell the sampling error.
+    pub error_rays: u64,
     /// Gauss–Seidel sweeps.
     pub sweeps: u64,
     /// Fits of all vertices: 1 if vertex light was fitted anew.
@@ -55,8 +60,8 @@ pub struct Work {
 
 impl Work {
     /// Rays of all kinds.
-    pub(crate) fn traced(&self) -> u64 {
-        self.element_rays + self.gather_rays + self.light_rays + self.emitter_rays
+    pub fn rays(&self) -> u64 {
+        self.element_rays + self.gather_rays + self.light_rays + self.emitter_rays + self.error_rays
     }
 }
 

@@ -10,6 +10,7 @@ use super::form_factor::Traced;
 use super::gathered::Gathered;
 use super::occlusion::Hierarchy;
 use super::receiver_mesh::ReceiverMeshes;
+use super::sampling_error::SamplingError;
 use super::settings::BakeSettings;
 use super::solve::Solution;
 use super::surface::Pyramids;
@@ -27,6 +28,7 @@ pub(crate) struct Stages {
     /// Direct light at each element.
     pub(crate) arrived: Arc<Vec<Vec3>>,
     pub(crate) solution: Arc<Solution>,
+    pub(crate) error: SamplingError,
     pub(crate) gathered: Arc<Gathered>,
     pub(crate) plan: Plan,
 }

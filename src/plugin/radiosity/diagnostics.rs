@@ -29,6 +29,7 @@ impl RadiosityDiagnostics {
             Stage::FormFactors => "radiosity/form_factors",
             Stage::Direct => "radiosity/direct",
             Stage::Solve => "radiosity/solve",
+            Stage::Error => "radiosity/sampling_error",
             Stage::Gather => "radiosity/gather",
             Stage::Fit => "radiosity/fit",
             Stage::Preview => "radiosity/preview",
@@ -92,7 +93,5 @@ fn measure(finished: On<BakeFinished>, mut diagnostics: Diagnostics) {
         report.counts.vertices as f64
     });
     let work = &report.work;
-    diagnostics.add_measurement(&RadiosityDiagnostics::RAYS, || {
-        (work.element_rays + work.gather_rays + work.light_rays + work.emitter_rays) as f64
-    });
+    diagnostics.add_measurement(&RadiosityDiagnostics::RAYS, || work.rays() as f64);
 }

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::lights::FoundLight;
 use super::settings::RadiositySettings;
 use super::survey::{FoundObject, Survey};
-use crate::radiosity::{BakeSettings, DirectLight, LightKind};
+use crate::radiosity::{BakeSettings, DirectLight, LightKind, Solver};
 
 /// The key of a survey: of all that the bake reads, and of nothing else.
 pub(super) fn key(survey: &Survey, settings: &RadiositySettings) -> u64 {
@@ -75,13 +75,17 @@ fn hash_settings(state: &mut impl Hasher, bake: &BakeSettings) {
     let BakeSettings {
         max_edge,
         elements,
+        form_factors,
         element_rays,
         gather_rays,
         samples_per_vertex,
         emitter_rays,
+        sample_emitters,
+        solver,
         solver_tolerance,
         max_sweeps,
         max_reflectance,
+        max_memory,
         seed,
     } = *bake;
     let counts = [
@@ -93,6 +97,11 @@ fn hash_settings(state: &mut impl Hasher, bake: &BakeSettings) {
         seed,
     ];
     counts.hash(state);
+    (form_factors, sample_emitters, max_memory).hash(state);
+    std::mem::discriminant(&solver).hash(state);
+    if let Solver::Sor { omega } = solver {
+        hash_floats(state, &[omega]);
+    }
     max_edge.map(f32::to_bits).hash(state);
     hash_floats(
         state,

@@ -3,7 +3,7 @@ use std::time::Duration;
 use bevy::prelude::*;
 use bevy::reflect::reflect_remote;
 
-use crate::radiosity::BakeSettings;
+use crate::radiosity::{BakeSettings, FormFactors, Solver};
 
 /// How and when the world's light is baked.
 ///
@@ -65,12 +65,52 @@ impl Default for RadiositySettings {
 pub struct BakeSettingsReflect {
     pub max_edge: Option<f32>,
     pub elements: u32,
+    #[reflect(remote = FormFactorsReflect)]
+    pub form_factors: FormFactors,
     pub element_rays: u32,
     pub gather_rays: u32,
     pub samples_per_vertex: f32,
     pub emitter_rays: u32,
+    pub sample_emitters: bool,
+    #[reflect(remote = SolverReflect)]
+    pub solver: Solver,
     pub solver_tolerance: f32,
     pub max_sweeps: u32,
     pub max_reflectance: f32,
+    pub max_memory: u64,
     pub seed: u32,
+}
+
+/// What reflection sees of [`FormFactors`].
+#[reflect_remote(FormFactors)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Default, Debug, Clone, PartialEq)]
+pub enum FormFactorsReflect {
+    #[default]
+    HitList,
+    Hemicube {
+        resolution: u32,
+    },
+    Analytic {
+        visibility_rays: u32,
+    },
+    AreaSampling {
+        samples: u32,
+    },
+}
+
+/// What reflection sees of [`Solver`].
+#[reflect_remote(Solver)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Default, Debug, Clone, PartialEq)]
+pub enum SolverReflect {
+    #[default]
+    GaussSeidelMeanField,
+    GaussSeidel,
+    Jacobi,
+    Sor {
+        omega: f32,
+    },
+    ProgressiveRefinement,
+    ConjugateGradients,
 }

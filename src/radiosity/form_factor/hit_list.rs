@@ -60,7 +60,7 @@ impl HitList {
         f64::from(self.hits[e]) / self.rays as f64
     }
 
-    fn row(&self, e: usize) -> &[u32] {
+    pub(super) fn row(&self, e: usize) -> &[u32] {
         &self.ids[e * self.rays..(e + 1) * self.rays]
     }
 

@@ -83,6 +83,43 @@ impl Traced {
         sky * self.sky[e] + sampled * self.per_ray + loose
     }
 
+    /// Light of `seen` elements and of sky that arrives over a row.
+    pub(crate) fn light(&self, e: usize, seen: &[Vec3A], sky: Vec3) -> Vec3 {
+        self.rows.gather(e, seen).as_vec3() + sky * self.sky[e]
+    }
+
+    /// Light of `seen` elements, of sky and of emitters at an element, as each half of its rays
+    /// tells it; `None` without rays, or with one alone.
+    pub(crate) fn halves(
+        &self,
+        e: usize,
+        elements: &Elements,
+        seen: &[Vec3A],
+        sky: Vec3,
+    ) -> Option<[Vec3; 2]> {
+        let Matrix::Hits(hits) = &self.rows else {
+            return None;
+        };
+        let row = hits.row(e);
+        let middle = row.len() / 2;
+        let sum = |ids: &[u32], met: &[Met]| {
+            let light = |&id: &u32| match id {
+                SKY => sky.into(),
+                id => seen.get(id as usize).copied().unwrap_or(Vec3A::ZERO),
+            };
+            let light: Vec3A = ids.iter().map(light).sum();
+            let met = met.iter();
+            let met: Vec3 = met
+                .map(|m| elements.emission[m.element as usize] * m.weight)
+                .sum();
+            (Vec3::from(light) + met) / ids.len() as f32
+        };
+        let met = self.met_of(e);
+        let met = met.split_at(met.partition_point(|m| (m.ray as usize) < middle));
+        let (first, second) = row.split_at(middle);
+        (middle > 0).then(|| [sum(first, met.0), sum(second, met.1)])
+    }
+
     pub(crate) fn bytes(&self) -> u64 {
         self.rows.bytes()
             + (4 * (self.sky.len() + self.first_met.len())

@@ -14,6 +14,7 @@ use crate::radiosity::form_factor::{GONE, RowsBefore, Traced, View, form_factors
 use crate::radiosity::observer::Stage;
 use crate::radiosity::occlusion::{Hierarchy, Holds, Occluders};
 use crate::radiosity::receiver_mesh::{MeshesBefore, ReceiverMeshes};
+use crate::radiosity::sampling_error::{Judge, SamplingError};
 use crate::radiosity::solve::{Solution, System, solve};
 use crate::radiosity::stages::{Before, Stages};
 use crate::radiosity::surface::{Pyramids, Surfaces};
@@ -133,15 +134,7 @@ impl Run<'_> {
             return Ok(old.traced.clone());
         }
         self.stage(Stage::FormFactors, |run| {
-            let view = View {
-                scene: run.scene,
-                occluders: lit.occluders,
-                elements: lit.elements,
-                emitters: lit.emitters,
-                marks: lit.marks,
-                settings: run.settings,
-                remember: run.start.remember,
-            };
+            let view = run.view(lit);
             let before = run.before().map(|(old, change)| RowsBefore {
                 traced: &old.traced,
                 change,
@@ -177,13 +170,7 @@ impl Run<'_> {
             return Ok((old.direct.clone(), arrived));
         }
         self.stage(Stage::Direct, |run| {
-            let sampler = Sampler {
-                scene,
-                occluders: lit.occluders,
-                elements: lit.elements,
-                emitters: lit.emitters,
-                seed: run.settings.seed,
-            };
+            let sampler = run.sampler(lit);
             let before = run.before().map(|(old, change)| DirectBefore {
                 direct: &old.direct,
                 change,
@@ -228,6 +215,54 @@ impl Run<'_> {
             run.work.sweeps += u64::from(solution.report.sweeps);
             Ok(solution.into())
         })
+    }
+
+    /// What sampling leaves in the light of elements. Colours do not change how noisy rays are: only
+    /// new rays have to be judged.
+    pub(super) fn error(
+        &mut self,
+        lit: &Lit,
+        traced: &Traced,
+        solution: &Solution,
+    ) -> Result<SamplingError, BakeError> {
+        if let Some((old, _)) = self.before()
+            && self.work.rays() == 0
+        {
+            return Ok(old.error);
+        }
+        self.stage(Stage::Error, |run| {
+            let judge = Judge {
+                view: &run.view(lit),
+                sampler: &run.sampler(lit),
+                traced,
+                solution,
+            };
+            let (error, rays) = judge.run(run.observer)?;
+            run.work.error_rays += rays.lights + rays.emitters;
+            Ok(error)
+        })
+    }
+
+    fn view<'l>(&'l self, lit: &Lit<'l>) -> View<'l> {
+        View {
+            scene: self.scene,
+            occluders: lit.occluders,
+            elements: lit.elements,
+            emitters: lit.emitters,
+            marks: lit.marks,
+            settings: self.settings,
+            remember: self.start.remember,
+        }
+    }
+
+    fn sampler<'l>(&'l self, lit: &Lit<'l>) -> Sampler<'l> {
+        Sampler {
+            scene: self.scene,
+            occluders: lit.occluders,
+            elements: lit.elements,
+            emitters: lit.emitters,
+            seed: self.settings.seed,
+        }
     }
 }
 

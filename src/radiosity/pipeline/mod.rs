@@ -24,6 +24,7 @@ use super::occlusion::{Hierarchy, Occluders};
 use super::parallel::Cancelled;
 use super::receiver_mesh::ReceiverMeshes;
 use super::report::Work;
+use super::sampling_error::SamplingError;
 use super::settings::BakeSettings;
 use super::solve::Solution;
 use super::stages::{Plan, Stages, Start};
@@ -54,6 +55,7 @@ struct Solved {
     /// Direct light at each element.
     arrived: Arc<Vec<Vec3>>,
     solution: Arc<Solution>,
+    error: SamplingError,
     /// Area of an element, in squared internal units.
     target: f32,
 }
@@ -125,6 +127,7 @@ pub(crate) fn run(
         direct: solved.direct,
         arrived: solved.arrived,
         solution: solved.solution,
+        error: solved.error,
         gathered: Arc::new(gathered),
     };
     Ok((bake, stages))
@@ -182,6 +185,7 @@ impl<'a> Run<'a> {
         let traced = self.form_factors(&lit)?;
         let (direct, arrived) = self.direct(&lit, &traced)?;
         let solution = self.solve(&elements, &traced, &arrived)?;
+        let error = self.error(&lit, &traced, &solution)?;
         Ok(Solved {
             pyramids,
             elements,
@@ -192,6 +196,7 @@ impl<'a> Run<'a> {
             direct,
             arrived,
             solution,
+            error,
             target,
         })
     }
@@ -205,6 +210,7 @@ impl<'a> Run<'a> {
             traced: &solved.traced,
             arrived: &solved.arrived,
             solution: &solved.solution,
+            error: solved.error,
             stages: &self.stages,
             work: self.work,
             occluder_bytes: solved.hierarchy.bytes(),

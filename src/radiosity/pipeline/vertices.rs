@@ -155,7 +155,7 @@ impl Run<'_> {
         let known = match (self.start.plan, self.start.before) {
             (Some(plan), _) => Some(&plan.smoothing),
             // Colours do not change how noisy samples are: only new samples have to be judged.
-            (None, Some(before)) if self.work.traced() == 0 => Some(&before.stages.plan.smoothing),
+            (None, Some(before)) if self.work.rays() == 0 => Some(&before.stages.plan.smoothing),
             _ => None,
         };
         self.stage(Stage::Fit, |run| {

@@ -1,0 +1,231 @@
+//! Whether the report's estimate of the sampling error covers the true one.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on panics")]
+
+mod common;
+
+use bevy_fresco::radiosity::{
+    Bake, BakeSettings, ElementLight, FormFactors, Light, LightKind, Material, Object, Scene,
+    ValidScene, bake, solve_elements,
+};
+use common::{grey, quad, room, scene};
+use glam::{Vec3, Vec4};
+
+/// Five faces of a block that stands on the floor.
+fn block(low: Vec3, size: Vec3, n: u32, material: u32) -> Vec<Object> {
+    let (x, y, z) = (Vec3::X * size.x, Vec3::Y * size.y, Vec3::Z * size.z);
+    vec![
+        quad("top", low + y, z, x, n, material),
+        quad("left", low, z, y, n, material),
+        quad("right", low + x, y, z, n, material),
+        quad("front", low, y, x, n, material),
+        quad("back", low + z, x, y, n, material),
+    ]
+}
+
+fn colored(r: f32, g: f32, b: f32) -> Material {
+    Material {
+        base_color: Vec4::new(r, g, b, 1.0),
+        ..Material::default()
+    }
+}
+
+/// A lamp under the ceiling, two blocks, two coloured walls.
+fn lamp_and_blocks() -> Scene {
+    let mut objects = room(Vec3::ONE, 8, [0, 0, 1, 2, 0, 0]);
+    objects.extend(block(
+        Vec3::new(0.15, 0.0, 0.5),
+        Vec3::new(0.3, 0.6, 0.3),
+        3,
+        0,
+    ));
+    objects.extend(block(Vec3::new(0.55, 0.0, 0.2), Vec3::splat(0.3), 3, 0));
+    let lamp = quad(
+        "lamp",
+        Vec3::new(0.35, 0.99, 0.35),
+        Vec3::X * 0.3,
+        Vec3::Z * 0.3,
+        1,
+        3,
+    );
+    objects.push(lamp);
+    let materials = vec![
+        grey(0.73, 0.0),
+        colored(0.63, 0.06, 0.05),
+        colored(0.14, 0.45, 0.09),
+        grey(0.0, 20.0),
+    ];
+    scene(objects, materials)
+}
+
+/// A bright closed box with a column, a point light in a corner.
+fn bright_box() -> Scene {
+    let mut objects = room(Vec3::new(2.0, 1.0, 1.0), 6, [0; 6]);
+    objects.extend(block(
+        Vec3::new(0.9, 0.0, 0.4),
+        Vec3::new(0.2, 0.8, 0.2),
+        3,
+        0,
+    ));
+    let mut s = scene(objects, vec![grey(0.9, 0.0)]);
+    s.lights.push(Light {
+        name: "bulb".into(),
+        power: Vec3::new(30.0, 20.0, 10.0),
+        kind: LightKind::Point {
+            position: Vec3::new(0.2, 0.7, 0.3),
+            range: f32::INFINITY,
+        },
+        ..Light::default()
+    });
+    s
+}
+
+/// A court under sky and sun.
+fn court() -> Scene {
+    let mut objects = room(Vec3::new(2.0, 1.0, 2.0), 8, [0, 0, 1, 0, 0, 0]);
+    objects.remove(1);
+    objects.extend(block(
+        Vec3::new(0.8, 0.0, 0.9),
+        Vec3::new(0.4, 0.5, 0.4),
+        4,
+        1,
+    ));
+    let mut s = scene(objects, vec![grey(0.6, 0.0), colored(0.7, 0.3, 0.2)]);
+    s.sky = Vec3::new(0.5, 0.7, 1.0);
+    s.lights.push(Light {
+        name: "sun".into(),
+        power: Vec3::splat(6.0),
+        kind: LightKind::Directional {
+            direction: Vec3::new(0.5, -1.0, 0.3),
+        },
+        ..Light::default()
+    });
+    s
+}
+
+/// A luminous ceiling over boxes: emission that form factors find.
+fn luminous_ceiling() -> Scene {
+    let mut objects = room(Vec3::new(1.5, 1.0, 1.0), 7, [0, 1, 0, 0, 0, 0]);
+    objects.extend(block(Vec3::new(0.5, 0.0, 0.3), Vec3::splat(0.4), 3, 0));
+    scene(objects, vec![grey(0.5, 0.0), grey(0.8, 2.0)])
+}
+
+fn settings(form_factors: FormFactors, element_rays: u32) -> BakeSettings {
+    BakeSettings {
+        elements: 700,
+        form_factors,
+        element_rays,
+        gather_rays: 48,
+        samples_per_vertex: 6.0,
+        emitter_rays: 8,
+        solver_tolerance: 1e-4,
+        ..BakeSettings::DRAFT
+    }
+}
+
+/// Several times the rays or pixels.
+fn denser(settings: &BakeSettings) -> BakeSettings {
+    BakeSettings {
+        form_factors: match settings.form_factors {
+            FormFactors::HitList => FormFactors::HitList,
+            FormFactors::Hemicube { resolution } => FormFactors::Hemicube {
+                resolution: 2 * resolution,
+            },
+            FormFactors::Analytic { visibility_rays } => FormFactors::Analytic {
+                visibility_rays: 4 * visibility_rays,
+            },
+            FormFactors::AreaSampling { samples } => FormFactors::AreaSampling {
+                samples: 4 * samples,
+            },
+        },
+        element_rays: 4 * settings.element_rays,
+        gather_rays: 4 * settings.gather_rays,
+        emitter_rays: 4 * settings.emitter_rays,
+        ..settings.clone()
+    }
+}
+
+fn luminance(v: Vec3) -> f64 {
+    f64::from(v.dot(Vec3::new(0.2126, 0.7152, 0.0722)))
+}
+
+/// Light with weights, of elements and of vertices.
+struct Sample {
+    elements: Vec<f64>,
+    vertices: Vec<f64>,
+    estimates: [f64; 2],
+}
+
+fn sample(scene: &ValidScene, settings: &BakeSettings) -> Sample {
+    let elements: ElementLight = solve_elements(scene, settings, &()).unwrap();
+    let bake: Bake = bake(scene, settings, &()).unwrap();
+    Sample {
+        elements: (elements.elements.iter())
+            .map(|e| luminance(e.irradiance))
+            .collect(),
+        vertices: (bake.objects.iter())
+            .flat_map(|o| o.light.iter().map(|&l| luminance(l)))
+            .collect(),
+        estimates: [bake.report.element_error, bake.report.sampling_error].map(f64::from),
+    }
+}
+
+/// RMS of the difference beside the mean. All elements are about of a size, so are all vertices'
+/// shares of the surface.
+fn error(found: &[f64], truth: &[f64]) -> f64 {
+    let square: f64 = found
+        .iter()
+        .zip(truth)
+        .map(|(a, b)| (a - b).powi(2))
+        .sum();
+    let n = truth.len() as f64;
+    (square / n).sqrt() / (truth.iter().sum::<f64>() / n)
+}
+
+fn mean(lists: &[Vec<f64>]) -> Vec<f64> {
+    (0..lists[0].len())
+        .map(|i| lists.iter().map(|l| l[i]).sum::<f64>() / lists.len() as f64)
+        .collect()
+}
+
+#[test]
+fn survey() {
+    let mut all = [Vec::new(), Vec::new()];
+    for (name, scene) in [
+        ("lamp", lamp_and_blocks()),
+        ("bright", bright_box()),
+        ("court", court()),
+        ("ceiling", luminous_ceiling()),
+    ] {
+        let scene = scene.validate().unwrap();
+        for (method, rays) in [
+            (FormFactors::HitList, 16),
+            (FormFactors::HitList, 64),
+        ] {
+            let settings = settings(method, rays);
+            let truths: Vec<Sample> = (0..4)
+                .map(|i| {
+                    let denser = BakeSettings {
+                        seed: 1000 + i,
+                        ..denser(&settings)
+                    };
+                    sample(&scene, &denser)
+                })
+                .collect();
+            let elements = mean(&truths.iter().map(|t| t.elements.clone()).collect::<Vec<_>>());
+            let vertices = mean(&truths.iter().map(|t| t.vertices.clone()).collect::<Vec<_>>());
+            for seed in 0..6 {
+                let s = sample(&scene, &BakeSettings { seed, ..settings.clone() });
+                let true_errors = [error(&s.elements, &elements), error(&s.vertices, &vertices)];
+                for k in 0..2 {
+                    all[k].push(s.estimates[k] / true_errors[k]);
+                }
+                println!(
+                    "{name} {method:?} {rays} seed {seed}: elements {:.4} for {:.4} ({:.2}), vertices {:.4} for {:.4} ({:.2})",
+                    s.estimates[0], true_errors[0], s.estimates[0] / true_errors[0],
+                    s.estimates[1], true_errors[1], s.estimates[1] / true_errors[1],
+                );
+            }
+        }
+    }
+}
