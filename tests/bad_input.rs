@@ -5,7 +5,8 @@
 mod common;
 
 use bevy_fresco::radiosity::{
-    BakeError, BakeSettings, FormFactors, Light, LightKind, MaterialId, Object, Scene, SceneError, bake,
+    BakeError, BakeSettings, FormFactors, Light, LightKind, MaterialId, Object, Scene, SceneError,
+    bake,
 };
 use common::{grey, quad, room, scene, values};
 use glam::{DVec3, Vec3};

@@ -173,11 +173,7 @@ fn sample(scene: &ValidScene, settings: &BakeSettings) -> Sample {
 /// RMS of the difference beside the mean. All elements are about of a size, so are all vertices'
 /// shares of the surface.
 fn error(found: &[f64], truth: &[f64]) -> f64 {
-    let square: f64 = found
-        .iter()
-        .zip(truth)
-        .map(|(a, b)| (a - b).powi(2))
-        .sum();
+    let square: f64 = found.iter().zip(truth).map(|(a, b)| (a - b).powi(2)).sum();
     let n = truth.len() as f64;
     (square / n).sqrt() / (truth.iter().sum::<f64>() / n)
 }
@@ -198,10 +194,7 @@ fn survey() {
         ("ceiling", luminous_ceiling()),
     ] {
         let scene = scene.validate().unwrap();
-        for (method, rays) in [
-            (FormFactors::HitList, 16),
-            (FormFactors::HitList, 64),
-        ] {
+        for (method, rays) in [(FormFactors::HitList, 16), (FormFactors::HitList, 64)] {
             let settings = settings(method, rays);
             let truths: Vec<Sample> = (0..4)
                 .map(|i| {
@@ -212,18 +205,38 @@ fn survey() {
                     sample(&scene, &denser)
                 })
                 .collect();
-            let elements = mean(&truths.iter().map(|t| t.elements.clone()).collect::<Vec<_>>());
-            let vertices = mean(&truths.iter().map(|t| t.vertices.clone()).collect::<Vec<_>>());
+            let elements = mean(
+                &truths
+                    .iter()
+                    .map(|t| t.elements.clone())
+                    .collect::<Vec<_>>(),
+            );
+            let vertices = mean(
+                &truths
+                    .iter()
+                    .map(|t| t.vertices.clone())
+                    .collect::<Vec<_>>(),
+            );
             for seed in 0..6 {
-                let s = sample(&scene, &BakeSettings { seed, ..settings.clone() });
+                let s = sample(
+                    &scene,
+                    &BakeSettings {
+                        seed,
+                        ..settings.clone()
+                    },
+                );
                 let true_errors = [error(&s.elements, &elements), error(&s.vertices, &vertices)];
                 for k in 0..2 {
                     all[k].push(s.estimates[k] / true_errors[k]);
                 }
                 println!(
                     "{name} {method:?} {rays} seed {seed}: elements {:.4} for {:.4} ({:.2}), vertices {:.4} for {:.4} ({:.2})",
-                    s.estimates[0], true_errors[0], s.estimates[0] / true_errors[0],
-                    s.estimates[1], true_errors[1], s.estimates[1] / true_errors[1],
+                    s.estimates[0],
+                    true_errors[0],
+                    s.estimates[0] / true_errors[0],
+                    s.estimates[1],
+                    true_errors[1],
+                    s.estimates[1] / true_errors[1],
                 );
             }
         }

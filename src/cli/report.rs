@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use super::args::BakeArgs;
 use super::bake::Made;
 use super::outputs::Outputs;
-use crate::radiosity::{BakeSettings, Counts, DirectLight, Report};
+use crate::radiosity::{BakeSettings, Counts, DirectLight, FormFactors, Report};
 
 /// The report as JSON. `docs/file_formats.md` documents the keys; they stay as they are.
 pub(super) fn report_json(args: &BakeArgs, outputs: &Outputs, made: &Made) -> String {
@@ -34,7 +34,13 @@ pub(super) fn report_json(args: &BakeArgs, outputs: &Outputs, made: &Made) -> St
             "escaped": report.energy.escaped.to_array(),
             "relative_error": report.energy.relative_error(),
         },
+        "form_factors": {
+            "largest_row_sum": report.form_factors.largest_row_sum,
+            "scaled_rows": report.form_factors.scaled_rows,
+            "near_pairs": report.form_factors.near_pairs,
+        },
         "solver": solver(report),
+        "element_error": report.element_error,
         "sampling_error": report.sampling_error,
         "mean_light": report.mean_light,
         "notes": made.notes,
@@ -46,10 +52,13 @@ fn settings(settings: &BakeSettings, args: &BakeArgs) -> Value {
     json!({
         "max_edge": settings.max_edge,
         "elements": settings.elements,
+        "form_factors": form_factors(settings.form_factors),
         "element_rays": settings.element_rays,
         "gather_rays": settings.gather_rays,
         "samples_per_vertex": settings.samples_per_vertex,
         "emitter_rays": settings.emitter_rays,
+        "sample_emitters": settings.sample_emitters,
+        "solver": settings.solver.name(),
         "solver_tolerance": settings.solver_tolerance,
         "max_sweeps": settings.max_sweeps,
         "max_reflectance": settings.max_reflectance,
@@ -61,6 +70,20 @@ fn settings(settings: &BakeSettings, args: &BakeArgs) -> Value {
         "encoding": if args.results.vertex_colors { "vertex_colors" } else { "attribute" },
         "sky": args.settings.sky.unwrap_or_default().to_array(),
     })
+}
+
+fn form_factors(method: FormFactors) -> Value {
+    let name = method.name().replace(' ', "_");
+    match method {
+        FormFactors::HitList => json!({ "method": name }),
+        FormFactors::Hemicube { resolution } => json!({ "method": name, "resolution": resolution }),
+        FormFactors::Analytic {
+            visibility_rays: rays,
+        }
+        | FormFactors::AreaSampling { samples: rays } => {
+            json!({ "method": name, "pair_rays": rays })
+        }
+    }
 }
 
 fn seconds(times: &[(&'static str, Duration)]) -> Value {

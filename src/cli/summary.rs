@@ -96,7 +96,10 @@ fn quality(text: &mut String, made: &Made) {
     row(
         text,
         "sampling error",
-        &format!("{sampling}, from two half-sets"),
+        &format!(
+            "{sampling} of the mean, and {} at elements",
+            percent(report.element_error.into())
+        ),
     );
     let solver = &report.solver;
     row(

@@ -164,15 +164,19 @@ impl Elements {
         self.area.len()
     }
 
+    /// Areas of all elements.
+    pub(crate) fn iter_area(&self) -> impl Iterator<Item = f64> + '_ {
+        self.area.iter().map(|&a| f64::from(a))
+    }
+
     /// Area-weighted mean of a value.
     pub(crate) fn mean(&self, values: &[Vec3A]) -> DVec3 {
-        let areas = || self.area.iter().map(|&a| f64::from(a));
         let sum: DVec3 = values
             .iter()
-            .zip(areas())
+            .zip(self.iter_area())
             .map(|(v, a)| v.as_dvec3() * a)
             .sum();
-        sum / areas().sum::<f64>().max(f64::MIN_POSITIVE)
+        sum / self.iter_area().sum::<f64>().max(f64::MIN_POSITIVE)
     }
 
     /// The element that a ray hit; `None` for the black back of a one-sided surface.

@@ -15,6 +15,11 @@ use super::settings::BakeSettings;
 use super::solve::Solution;
 use super::validate::{ValidScene, shines};
 
+/// The estimate of the error at vertices is raised by this: the half-sets are smoothed by what they
+/// have in common, so they differ by less than each is off. With it, the error told is above the true one
+/// in more than 95 of 100 bakes (`tests/sampling_error.rs`).
+const COVER: f32 = 1.25;
+
 /// What the solution of the elements can be asked about.
 pub(crate) struct Findings<'a> {
     pub(crate) scene: &'a ValidScene,
@@ -58,7 +63,7 @@ impl Findings<'_> {
             solver: self.solution.report.clone(),
             element_error: self.error.elements,
             sampling_error: vertices.map_or(0.0, |v| {
-                v.fitted.smoothing.sampling_error.hypot(self.error.vertices)
+                COVER * v.fitted.smoothing.sampling_error.hypot(self.error.vertices)
             }),
             mean_light: vertices.map_or(0.0, |v| v.fitted.mean),
             work: self.work,

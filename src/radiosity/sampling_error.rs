@@ -2,18 +2,17 @@ use glam::{Vec3, Vec3A};
 
 use super::color::luminance;
 use super::direct::{Sampler, ShadowRays, loose_emission};
-use super::form_factor::{Row, Traced, View, row_again};
-use super::observer::Observer;
-use super::observer::Stage;
-use super::parallel::{Cancelled, map_ranges};
+use super::form_factor::{FormFactors, Traced, View, row_again};
+use super::observer::{Observer, Stage};
+use super::parallel::{Cancelled, map_chunks, map_ranges};
 use super::sampling::hash;
 use super::solve::Solution;
 
 /// What chance, or a coarse picture, leaves in the light of elements.
 ///
-/// A few elements are asked twice. Rays and shadow rays come in two half-sets `A`, `B`: half their
-/// difference is as large as the error of the whole. Form factors that are not made of rays are
-/// found once more with twice the resolution.
+/// Rays and shadow rays come in two half-sets `A`, `B`: half their difference is as large as the
+/// error of the whole. Where form factors are not made of rays, a few elements find theirs once more
+/// with twice the resolution.
 ///
 /// ```text
 ///   d = (H_A − H_B) / 2     or     d = H − H_denser
@@ -21,14 +20,14 @@ use super::solve::Solution;
 ///
 /// The errors of elements are independent, so most of them cancels in the next bounce and at
 /// vertices, which see many elements: of its variance the mean of `Σ_j F_ij²` is left. What does not
-/// cancel is their mean, which every bounce repeats: it grows by the factor that reflection between
-/// surfaces makes light grow by,
+/// cancel is their mean, which every bounce repeats: it grows by the factor `g` that reflection
+/// between surfaces makes light grow by,
 ///
 /// ```text
-///   ┌─────────────────────────────────────────────────────────────┐
-///   │  e² = var(d) + v²     v² = Σ_j F_ij² var(ρ d) + g² mean(ρ d)²  │
-///   │  g = Σ A ρ / Σ A ρ (1 − F ρ)                                  │
-///   └─────────────────────────────────────────────────────────────┘
+///   ┌───────────────────────────────────────────────────────────────┐
+///   │  e² = mean d² + v²     v² = Σ_j F_ij² mean (ρd)² + g² (mean ρd)² │
+///   │  g = Σ A ρ / Σ A ρ (1 − F ρ)                                    │
+///   └───────────────────────────────────────────────────────────────┘
 /// ```
 ///
 /// with `e` the error at elements and `v` what of it arrives at vertices.
@@ -40,13 +39,19 @@ pub(crate) struct SamplingError {
     pub(crate) vertices: f32,
 }
 
-/// Elements asked: so many of all, and at least and at most.
-const SHARE: usize = 24;
-const LEAST: usize = 64;
-const MOST: usize = 256;
+/// Elements whose lights and emitters are asked again: one of so many, at least and at most so many.
+/// Direct light is wrong at the edges of shadows, which a few elements would miss.
+const DIRECT: (usize, usize, usize) = (8, 256, 1024);
 
-/// Elements a thread takes at a time.
+/// The same of form factors, which take longer the second time than the first.
+const BOUNCED: (usize, usize, usize) = (24, 64, 256);
+
+/// Elements a thread takes at a time, of those asked again and of all.
 const CHUNK: usize = 4;
+const MANY: usize = 256;
+
+/// A mean of errors that is more than this many times what chance makes of it is no chance.
+const SIGNIFICANT: f64 = 4.0;
 
 /// What the error is found with.
 pub(crate) struct Judge<'a> {
@@ -56,44 +61,69 @@ pub(crate) struct Judge<'a> {
     pub(crate) solution: &'a Solution,
 }
 
-/// Light and difference of one element asked, luminance.
-struct Asked {
+/// Errors of some elements, luminance, and moments of them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Errors {
+    count: usize,
     area: f64,
-    light: f64,
-    difference: f64,
-    /// The same, of the light that leaves by reflection.
+    /// Σ A d².
+    squares: f64,
+    /// Σ A ρ d and Σ A (ρ d)².
     reflected: f64,
-    /// `Σ_j F_ij²`.
-    concentration: f64,
+    reflected_squares: f64,
+}
+
+impl Errors {
+    fn add(&mut self, area: f32, reflectance: Vec3, d: Vec3) {
+        let (area, reflected) = (f64::from(area), f64::from(luminance(d * reflectance)));
+        self.count += 1;
+        self.area += area;
+        self.squares += area * f64::from(luminance(d)).powi(2);
+        self.reflected += area * reflected;
+        self.reflected_squares += area * reflected.powi(2);
+    }
+
+    fn join(mut self, other: &Self) -> Self {
+        self.count += other.count;
+        self.area += other.area;
+        self.squares += other.squares;
+        self.reflected += other.reflected;
+        self.reflected_squares += other.reflected_squares;
+        self
+    }
+
+    /// mean d², mean (ρ d)², and the square of the mean of ρ d over `all` elements.
+    fn moments(&self, all: usize) -> [f64; 3] {
+        let mean = |sum: f64| sum / self.area.max(f64::MIN_POSITIVE);
+        let spread = mean(self.reflected_squares);
+        let by_chance = |count: usize| spread / count.max(1) as f64;
+        // The mean of a few is off by chance, and means nothing unless it is well above that.
+        let found = mean(self.reflected).powi(2);
+        let shift = if self.count < all && found < SIGNIFICANT * by_chance(self.count) {
+            by_chance(all)
+        } else {
+            found.max(by_chance(all))
+        };
+        [mean(self.squares), spread, shift]
+    }
 }
 
 impl Judge<'_> {
-    /// Asks, and says how many shadow rays that took.
-    pub(crate) fn run(
-        &self,
-        observer: &dyn Observer,
-    ) -> Result<(SamplingError, ShadowRays), Cancelled> {
-        let chosen = self.chosen();
+    /// Says how large the error is, and how many shadow rays that took.
+    pub(crate) fn run(&self, observer: &dyn Observer) -> Result<(SamplingError, u64), Cancelled> {
         let seen = self.seen();
-        let chunks = map_ranges(chosen.len(), CHUNK, Stage::Error, observer, |range| {
-            let mut rays = ShadowRays::default();
-            let ask = |&e: &usize| self.ask(e, &seen, &mut rays);
-            let asked: Vec<Asked> = chosen[range].iter().map(ask).collect();
-            (asked, rays)
-        })?;
-        let (mut asked, mut rays) = (Vec::new(), ShadowRays::default());
-        for (some, cost) in chunks {
-            asked.extend(some);
-            rays.lights += cost.lights;
-            rays.emitters += cost.emitters;
-        }
-        Ok((self.error(&asked), rays))
+        let (direct, cost) = self.direct(observer)?;
+        let bounced = match self.view.settings.form_factors {
+            FormFactors::HitList => self.bounced_by_halves(&seen),
+            _ => self.bounced_again(&seen, observer)?,
+        };
+        Ok((self.error(&direct, &bounced), cost))
     }
 
     /// One element of every stretch of the list, at random.
-    fn chosen(&self) -> Vec<usize> {
+    fn chosen(&self, (one_of, least, most): (usize, usize, usize)) -> Vec<usize> {
         let count = self.view.elements.len();
-        let asked = (count / SHARE).clamp(LEAST, MOST).min(count);
+        let asked = (count / one_of).clamp(least, most).min(count);
         let first = |i: usize| i * count / asked.max(1);
         (0..asked)
             .map(|i| {
@@ -110,57 +140,91 @@ impl Judge<'_> {
         reflected.zip(loose).map(|(&r, e)| r + e).collect()
     }
 
-    fn ask(&self, e: usize, seen: &[Vec3A], rays: &mut ShadowRays) -> Asked {
-        let (scene, elements) = (self.view.scene, self.view.elements);
-        let [a, b] = self.sampler.halves(e, rays);
-        let direct = (a - b) * 0.5;
-        let bounced = match self.traced.halves(e, elements, seen, scene.sky) {
-            Some([a, b]) => (a - b) * 0.5,
-            None => row_again(self.view, e).map_or(Vec3::ZERO, |row| {
-                self.traced.light(e, seen, scene.sky) - light_of(&row, seen, scene.sky)
-            }),
-        };
-        let mut concentration = 0.0;
-        let mut weights: Vec<(u32, f32)> = Vec::new();
-        self.traced
-            .rows
-            .each(e, |id, weight| weights.push((id, weight)));
-        weights.sort_by_key(|w| w.0);
-        for same in weights.chunk_by(|a, b| a.0 == b.0) {
-            concentration += same.iter().map(|w| f64::from(w.1)).sum::<f64>().powi(2);
-        }
-        let difference = f64::from(luminance(direct) + luminance(bounced));
-        let rho = elements.reflectance[e];
-        Asked {
-            area: elements.area[e].into(),
-            light: luminance(self.solution.arriving[e]).into(),
-            difference,
-            reflected: f64::from(luminance(direct * rho) + luminance(bounced * rho)),
-            concentration,
-        }
+    /// Errors of light from lights and emitters.
+    fn direct(&self, observer: &dyn Observer) -> Result<(Errors, u64), Cancelled> {
+        let chosen = self.chosen(DIRECT);
+        let parts = map_ranges(chosen.len(), CHUNK, Stage::Error, observer, |range| {
+            let (mut errors, mut rays) = (Errors::default(), ShadowRays::default());
+            for &e in &chosen[range] {
+                let [a, b] = self.sampler.halves(e, &mut rays);
+                self.add(e, (a - b) * 0.5, &mut errors);
+            }
+            (errors, rays.lights + rays.emitters)
+        })?;
+        let cost = parts.iter().map(|p| p.1).sum();
+        let errors = parts.iter().map(|p| &p.0);
+        Ok((errors.fold(Errors::default(), Errors::join), cost))
     }
 
-    fn error(&self, asked: &[Asked]) -> SamplingError {
-        let area: f64 = asked.iter().map(|a| a.area).sum();
-        let mean = |of: &dyn Fn(&Asked) -> f64| {
-            asked.iter().map(|a| of(a) * a.area).sum::<f64>() / area.max(f64::MIN_POSITIVE)
-        };
-        let level = mean(&|a| a.light);
+    /// Errors of light over form factors that are not made of rays.
+    fn bounced_again(&self, seen: &[Vec3A], observer: &dyn Observer) -> Result<Errors, Cancelled> {
+        let sky = self.view.scene.sky;
+        let chosen = self.chosen(BOUNCED);
+        let parts = map_ranges(chosen.len(), CHUNK, Stage::Error, observer, |range| {
+            let mut errors = Errors::default();
+            for &e in &chosen[range] {
+                if let Some(row) = row_again(self.view, e) {
+                    let d = self.traced.light(e, seen, sky) - row.light(seen, sky);
+                    self.add(e, d, &mut errors);
+                }
+            }
+            errors
+        })?;
+        Ok(parts.iter().fold(Errors::default(), Errors::join))
+    }
+
+    /// Errors of light over form factors that are made of rays.
+    fn bounced_by_halves(&self, seen: &[Vec3A]) -> Errors {
+        let elements = self.view.elements;
+        let sky = self.view.scene.sky;
+        let parts = map_chunks(elements.len(), MANY, |range| {
+            let mut errors = Errors::default();
+            for e in range {
+                if let Some([a, b]) = self.traced.halves(e, elements, seen, sky) {
+                    self.add(e, (a - b) * 0.5, &mut errors);
+                }
+            }
+            errors
+        });
+        parts.iter().fold(Errors::default(), Errors::join)
+    }
+
+    fn add(&self, e: usize, d: Vec3, errors: &mut Errors) {
+        let elements = self.view.elements;
+        errors.add(elements.area[e], elements.reflectance[e], d);
+    }
+
+    fn error(&self, direct: &Errors, bounced: &Errors) -> SamplingError {
+        let elements = self.view.elements;
+        let lit = elements.iter_area().zip(&self.solution.arriving);
+        let light: f64 = lit.map(|(a, &l)| a * f64::from(luminance(l))).sum();
+        let level = light / elements.iter_area().sum::<f64>().max(f64::MIN_POSITIVE);
         if level <= 0.0 {
             return SamplingError::default();
         }
-        let variance = mean(&|a| a.difference.powi(2));
-        let reflected = mean(&|a| a.reflected.powi(2));
-        // The mean of a few errors is off by chance; the mean of all by less.
-        let by_chance = |count: usize| reflected / count.max(1) as f64;
-        let shift = mean(&|a| a.reflected).powi(2) - by_chance(asked.len());
-        let shift = shift.max(0.0) + by_chance(self.view.elements.len());
-        let left = mean(&|a| a.concentration) * reflected;
-        let vertices = left + self.growth().powi(2) * shift;
+        let [a, b] = [direct, bounced].map(|e| e.moments(elements.len()));
+        let [squares, reflected, shift] = std::array::from_fn(|i| a[i] + b[i]);
+        let vertices = self.concentration() * reflected + self.growth().powi(2) * shift;
         SamplingError {
-            elements: ((variance + vertices).sqrt() / level) as f32,
+            elements: ((squares + vertices).sqrt() / level) as f32,
             vertices: (vertices.sqrt() / level) as f32,
         }
+    }
+
+    /// Mean of `Σ_j F_ij²`, over some elements.
+    fn concentration(&self) -> f64 {
+        let chosen = self.chosen(BOUNCED);
+        let of = |&e: &usize| {
+            let mut weights: Vec<(u32, f32)> = Vec::new();
+            self.traced
+                .rows
+                .each(e, |id, weight| weights.push((id, weight)));
+            weights.sort_by_key(|w| w.0);
+            let same = weights.chunk_by(|a, b| a.0 == b.0);
+            same.map(|w| w.iter().map(|w| f64::from(w.1)).sum::<f64>().powi(2))
+                .sum::<f64>()
+        };
+        chosen.iter().map(of).sum::<f64>() / chosen.len().max(1) as f64
     }
 
     /// By how much reflection between surfaces makes the mean of light grow.
@@ -168,18 +232,12 @@ impl Judge<'_> {
         let (elements, rows) = (self.view.elements, &self.traced.rows);
         let rho: Vec<Vec3A> = elements.reflectance.iter().map(|&r| r.into()).collect();
         let (mut reflected, mut lost) = (0.0, 0.0);
-        for (e, rho_e) in rho.iter().enumerate() {
-            let out = f64::from(luminance((*rho_e).into())) * f64::from(elements.area[e]);
+        for (e, area) in elements.iter_area().enumerate() {
+            let out = area * f64::from(luminance(elements.reflectance[e]));
+            let again = rows.gather(e, &rho).as_vec3();
             reflected += out;
-            lost += out * (1.0 - f64::from(luminance(rows.gather(e, &rho).as_vec3())));
+            lost += out * (1.0 - f64::from(luminance(again)));
         }
         if lost > 0.0 { reflected / lost } else { 1.0 }
     }
-}
-
-/// Light that arrives over a row.
-fn light_of(row: &Row, seen: &[Vec3A], sky: Vec3) -> Vec3 {
-    let entries = row.entries.iter();
-    let light: Vec3A = entries.map(|&(j, f)| seen[j as usize] * f).sum();
-    Vec3::from(light) + sky * row.sky
 }

@@ -1,4 +1,4 @@
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec3, Vec3A};
 
 use super::hit_list::HitList;
 
@@ -42,6 +42,13 @@ impl Row {
     /// `Σ_j F_ij`.
     pub(crate) fn sum(&self) -> f64 {
         self.entries.iter().map(|e| f64::from(e.1)).sum()
+    }
+
+    /// Light of `seen` elements and of the sky that arrives over the row.
+    pub(crate) fn light(&self, seen: &[Vec3A], sky: Vec3) -> Vec3 {
+        let entries = self.entries.iter();
+        let light: Vec3A = entries.map(|&(j, f)| seen[j as usize] * f).sum();
+        Vec3::from(light) + sky * self.sky
     }
 }
 

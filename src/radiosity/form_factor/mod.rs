@@ -59,8 +59,8 @@ pub(crate) fn form_factors(
     }
 }
 
-/// The row of one element with twice the resolution and other random numbers; `None` for a method
-/// whose rays tell their error themselves.
+/// The row of one element with twice the resolution and other random numbers; `None` for rays, whose
+/// halves tell their error.
 pub(crate) fn row_again(view: &View, e: usize) -> Option<Row> {
     let _ = (view, e);
     match view.settings.form_factors {

@@ -238,7 +238,7 @@ impl Run<'_> {
                 solution,
             };
             let (error, rays) = judge.run(run.observer)?;
-            run.work.error_rays += rays.lights + rays.emitters;
+            run.work.error_rays += rays;
             Ok(error)
         })
     }

@@ -19,3 +19,17 @@ pub enum Solver {
     /// Conjugate gradients on the symmetrised system.
     ConjugateGradients,
 }
+
+impl Solver {
+    /// A short name for people.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::GaussSeidelMeanField => "Gauss–Seidel with mean field",
+            Self::GaussSeidel => "Gauss–Seidel",
+            Self::Jacobi => "Jacobi",
+            Self::Sor { .. } => "over-relaxation",
+            Self::ProgressiveRefinement => "progressive refinement",
+            Self::ConjugateGradients => "conjugate gradients",
+        }
+    }
+}
