@@ -157,6 +157,7 @@ impl Kept {
             solver: settings.solver,
             solver_tolerance: settings.solver_tolerance,
             max_sweeps: settings.max_sweeps,
+            max_memory: settings.max_memory,
             ..self.settings.clone()
         };
         let area = Elements::target(scene, settings.elements) / self.stages.plan.target;

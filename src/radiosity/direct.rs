@@ -6,7 +6,7 @@ use super::bounds::{Disturbed, Sphere};
 use super::change::Change;
 use super::element::{ElementId, Elements};
 use super::emitter::{Emitters, Receiver};
-use super::form_factor::Traced;
+use super::form_factor::{Traced, View};
 use super::illumination::illumination;
 use super::light::{Light, LightKind};
 use super::observer::{Observer, Stage};
@@ -44,13 +44,13 @@ pub(crate) struct DirectBefore<'a> {
     pub(crate) new_emitters: bool,
 }
 
-/// What [`Sampler::run`] looks at.
+/// Samples direct light at elements.
 pub(crate) struct Sampler<'a> {
-    pub(crate) scene: &'a ValidScene,
-    pub(crate) occluders: Occluders<'a>,
-    pub(crate) elements: &'a Elements,
-    pub(crate) emitters: Emitters<'a>,
-    pub(crate) seed: u32,
+    scene: &'a ValidScene,
+    occluders: Occluders<'a>,
+    elements: &'a Elements,
+    emitters: Emitters<'a>,
+    seed: u32,
 }
 
 /// Shadow rays to lights and to emitters.
@@ -66,7 +66,17 @@ struct AtElement {
     sampled: Vec<(u32, f32)>,
 }
 
-impl Sampler<'_> {
+impl<'a> Sampler<'a> {
+    pub(crate) fn new(view: &View<'a>) -> Self {
+        Self {
+            scene: view.scene,
+            occluders: view.occluders,
+            elements: view.elements,
+            emitters: view.emitters,
+            seed: view.settings.seed,
+        }
+    }
+
     /// Samples lights and emitters from every element, where `before` does not answer.
     pub(crate) fn run(
         &self,

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use glam::{BVec3, DVec3, Vec3, Vec3A};
 
-use super::{Lit, Run};
+use super::Run;
 use crate::radiosity::bake::BakeError;
 use crate::radiosity::bvh::BvhQuality;
 use crate::radiosity::change::Change;
@@ -125,7 +125,7 @@ impl Run<'_> {
         Arc::new((old.plan.emitters).renumbered(now, now, self.scene.triangles.len()))
     }
 
-    pub(super) fn form_factors(&mut self, lit: &Lit) -> Result<Arc<Traced>, BakeError> {
+    pub(super) fn form_factors(&mut self, view: &View) -> Result<Arc<Traced>, BakeError> {
         if let Some((old, change)) = self.before()
             && change.disturbed.is_empty()
             && change.same_elements
@@ -134,13 +134,12 @@ impl Run<'_> {
             return Ok(old.traced.clone());
         }
         self.stage(Stage::FormFactors, |run| {
-            let view = run.view(lit);
             let before = run.before().map(|(old, change)| RowsBefore {
                 traced: &old.traced,
                 change,
                 new_emitters: change.new_emitters,
             });
-            let (traced, rays) = form_factors(&view, before.as_ref(), run.observer)?;
+            let (traced, rays) = form_factors(view, before.as_ref(), run.observer)?;
             run.work.element_rays += rays;
             Ok(traced.into())
         })
@@ -149,12 +148,12 @@ impl Run<'_> {
     /// How lights and emitters reach the elements, and the light that brings.
     pub(super) fn direct(
         &mut self,
-        lit: &Lit,
+        view: &View,
         traced: &Traced,
     ) -> Result<(Arc<Direct>, Arc<Vec<Vec3>>), BakeError> {
         let scene = self.scene;
         let arriving =
-            |direct: &Direct| Arc::new(direct.arriving(scene, lit.elements, traced, lit.marks));
+            |direct: &Direct| Arc::new(direct.arriving(scene, view.elements, traced, view.marks));
         if let Some((old, change)) = self.before()
             && change.disturbed.is_empty()
             && change.same_elements
@@ -170,7 +169,7 @@ impl Run<'_> {
             return Ok((old.direct.clone(), arrived));
         }
         self.stage(Stage::Direct, |run| {
-            let sampler = run.sampler(lit);
+            let sampler = Sampler::new(view);
             let before = run.before().map(|(old, change)| DirectBefore {
                 direct: &old.direct,
                 change,
@@ -221,7 +220,7 @@ impl Run<'_> {
     /// new rays have to be judged.
     pub(super) fn error(
         &mut self,
-        lit: &Lit,
+        view: &View,
         traced: &Traced,
         solution: &Solution,
     ) -> Result<SamplingError, BakeError> {
@@ -232,8 +231,8 @@ impl Run<'_> {
         }
         self.stage(Stage::Error, |run| {
             let judge = Judge {
-                view: &run.view(lit),
-                sampler: &run.sampler(lit),
+                view,
+                sampler: &Sampler::new(view),
                 traced,
                 solution,
             };
@@ -241,28 +240,6 @@ impl Run<'_> {
             run.work.error_rays += rays;
             Ok(error)
         })
-    }
-
-    fn view<'l>(&'l self, lit: &Lit<'l>) -> View<'l> {
-        View {
-            scene: self.scene,
-            occluders: lit.occluders,
-            elements: lit.elements,
-            emitters: lit.emitters,
-            marks: lit.marks,
-            settings: self.settings,
-            remember: self.start.remember,
-        }
-    }
-
-    fn sampler<'l>(&'l self, lit: &Lit<'l>) -> Sampler<'l> {
-        Sampler {
-            scene: self.scene,
-            occluders: lit.occluders,
-            elements: lit.elements,
-            emitters: lit.emitters,
-            seed: self.settings.seed,
-        }
     }
 }
 

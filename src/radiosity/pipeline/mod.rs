@@ -17,7 +17,7 @@ use super::element_light::ElementLight;
 use super::emitter::Emitters;
 use super::emitter_tree::EmitterTree;
 use super::findings::{Findings, VertexFindings};
-use super::form_factor::Traced;
+use super::form_factor::{Traced, View};
 use super::gather::{Aids, Gather};
 use super::observer::{Observer, Stage};
 use super::occlusion::{Hierarchy, Occluders};
@@ -58,15 +58,6 @@ struct Solved {
     error: SamplingError,
     /// Area of an element, in squared internal units.
     target: f32,
-}
-
-/// What the elements look at, and what lights them.
-struct Lit<'a> {
-    occluders: Occluders<'a>,
-    elements: &'a Elements,
-    emitters: Emitters<'a>,
-    /// Elements whose emission is sampled.
-    marks: &'a [bool],
 }
 
 /// Passes a scene through all stages, each of which takes from `start` what is still true.
@@ -176,16 +167,19 @@ impl<'a> Run<'a> {
         let surfaces = Surfaces::new(self.scene, &pyramids);
         let (hierarchy, emitters) = self.occlusion(&surfaces, &elements)?;
         let sampled = Emitters::at_elements(&emitters, self.settings);
-        let lit = Lit {
+        let view = View {
+            scene: self.scene,
             occluders: Occluders::new(&hierarchy, &surfaces),
             elements: &elements,
             emitters: sampled,
             marks: &sampled.marks(&elements),
+            settings: self.settings,
+            remember: self.start.remember,
         };
-        let traced = self.form_factors(&lit)?;
-        let (direct, arrived) = self.direct(&lit, &traced)?;
+        let traced = self.form_factors(&view)?;
+        let (direct, arrived) = self.direct(&view, &traced)?;
         let solution = self.solve(&elements, &traced, &arrived)?;
-        let error = self.error(&lit, &traced, &solution)?;
+        let error = self.error(&view, &traced, &solution)?;
         Ok(Solved {
             pyramids,
             elements,
