@@ -4,7 +4,6 @@ use glam::Vec3;
 
 use super::element::{ElementId, Elements};
 use super::emitter_tree::{Choices, EmitterTree, Leaf};
-use super::form_factor::FormFactors;
 use super::occlusion::{Hit, OFFSET, Occluders};
 use super::sampling::{sobol, triangle as triangle_point};
 use super::settings::BakeSettings;
@@ -54,11 +53,7 @@ impl<'a> Emitters<'a> {
             tree,
             light: Light::Emission,
             samples: settings.emitter_rays,
-            rays: match settings.form_factors {
-                FormFactors::HitList => settings.element_rays,
-                // No rays, none to combine with.
-                _ => 0,
-            },
+            rays: settings.rays_of_element(),
         }
     }
 

@@ -110,7 +110,7 @@ impl Estimate {
         let wanted = f64::from(settings.samples_per_vertex) * self.vertices as f64;
         // At least two samples a triangle, whatever is asked.
         self.samples = (wanted as u64).clamp(2 * triangles, 256 * triangles.max(1));
-        self.rays = self.elements * u64::from(settings.element_rays)
+        self.rays = self.elements * u64::from(settings.rays_of_element())
             + self.samples * u64::from(settings.gather_rays);
         let emits = (scene.triangles.iter())
             .any(|&t| scene.material(t).emissive.max_element() > 0.0 && !scene.material(t).unlit);

@@ -82,7 +82,7 @@ impl Findings<'_> {
             elements,
             emitters: self.elements.emissive_triangles().count() as u64,
             lights: self.scene.lights.len() as u64,
-            rays: elements * u64::from(self.settings.element_rays)
+            rays: elements * u64::from(self.settings.rays_of_element())
                 + counts.samples * u64::from(self.settings.gather_rays),
             shadow_rays: (elements + counts.samples) * shadow_rays,
             ..counts

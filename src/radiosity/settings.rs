@@ -117,6 +117,14 @@ pub struct InvalidSetting {
 }
 
 impl BakeSettings {
+    /// Rays from each element; none where form factors are not made of rays.
+    pub(crate) fn rays_of_element(&self) -> u32 {
+        match self.form_factors {
+            FormFactors::HitList => self.element_rays,
+            _ => 0,
+        }
+    }
+
     /// Checks the limits that the fields document.
     pub(crate) fn check(&self) -> Result<(), InvalidSetting> {
         let check = |setting, value: f32, ok: bool, limits| {
