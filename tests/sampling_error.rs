@@ -184,61 +184,74 @@ fn mean(lists: &[Vec<f64>]) -> Vec<f64> {
         .collect()
 }
 
+/// What the same method makes of it with sixteen times the rays, or pixels: four bakes of four times
+/// as many.
+fn truth(scene: &ValidScene, settings: &BakeSettings) -> [Vec<f64>; 2] {
+    let bakes: Vec<Sample> = (1000..1004)
+        .map(|seed| {
+            let denser = denser(settings);
+            sample(scene, &BakeSettings { seed, ..denser })
+        })
+        .collect();
+    let lists = |of: fn(&Sample) -> &Vec<f64>| bakes.iter().map(|b| of(b).clone()).collect::<Vec<_>>();
+    [mean(&lists(|b| &b.elements)), mean(&lists(|b| &b.vertices))]
+}
+
+/// A hundred bakes: four scenes, five methods, five seeds. At elements and at vertices the error told
+/// is above the true one in at least 95 of them, and within three times of it in the median.
+///
+/// The truth is a mean of sixteen times the samples and carries a quarter of the error itself, which
+/// makes the errors found 3 % too large.
 #[test]
-fn survey() {
-    let mut all = [Vec::new(), Vec::new()];
-    for (name, scene) in [
-        ("lamp", lamp_and_blocks()),
-        ("bright", bright_box()),
+fn the_error_told_covers_the_true_one() {
+    let scenes = [
+        ("lamp and blocks", lamp_and_blocks()),
+        ("bright box", bright_box()),
         ("court", court()),
-        ("ceiling", luminous_ceiling()),
-    ] {
+        ("luminous ceiling", luminous_ceiling()),
+    ];
+    let methods = [
+        settings(FormFactors::HitList, 16),
+        settings(FormFactors::HitList, 64),
+        settings(FormFactors::Hemicube { resolution: 32 }, 1),
+        settings(FormFactors::Analytic { visibility_rays: 2 }, 1),
+        settings(FormFactors::AreaSampling { samples: 8 }, 1),
+    ];
+    let mut ratios = [Vec::new(), Vec::new()];
+    for (name, scene) in scenes {
         let scene = scene.validate().unwrap();
-        for (method, rays) in [(FormFactors::HitList, 16), (FormFactors::HitList, 64)] {
-            let settings = settings(method, rays);
-            let truths: Vec<Sample> = (0..4)
-                .map(|i| {
-                    let denser = BakeSettings {
-                        seed: 1000 + i,
-                        ..denser(&settings)
-                    };
-                    sample(&scene, &denser)
-                })
-                .collect();
-            let elements = mean(
-                &truths
-                    .iter()
-                    .map(|t| t.elements.clone())
-                    .collect::<Vec<_>>(),
-            );
-            let vertices = mean(
-                &truths
-                    .iter()
-                    .map(|t| t.vertices.clone())
-                    .collect::<Vec<_>>(),
-            );
-            for seed in 0..6 {
-                let s = sample(
+        for settings in &methods {
+            let truth = truth(&scene, settings);
+            for seed in 0..5 {
+                let found = sample(
                     &scene,
                     &BakeSettings {
                         seed,
                         ..settings.clone()
                     },
                 );
-                let true_errors = [error(&s.elements, &elements), error(&s.vertices, &vertices)];
+                let errors = [
+                    error(&found.elements, &truth[0]),
+                    error(&found.vertices, &truth[1]),
+                ];
                 for k in 0..2 {
-                    all[k].push(s.estimates[k] / true_errors[k]);
+                    ratios[k].push(found.estimates[k] / errors[k]);
                 }
                 println!(
-                    "{name} {method:?} {rays} seed {seed}: elements {:.4} for {:.4} ({:.2}), vertices {:.4} for {:.4} ({:.2})",
-                    s.estimates[0],
-                    true_errors[0],
-                    s.estimates[0] / true_errors[0],
-                    s.estimates[1],
-                    true_errors[1],
-                    s.estimates[1] / true_errors[1],
+                    "{name}, {:?}, seed {seed}: told {:.2?} %, true {:.2?} %",
+                    settings.form_factors,
+                    found.estimates.map(|e| 100.0 * e),
+                    errors.map(|e| 100.0 * e),
                 );
             }
         }
+    }
+    for (what, mut ratios) in ["elements", "vertices"].into_iter().zip(ratios) {
+        ratios.sort_by(f64::total_cmp);
+        let covered = ratios.iter().filter(|&&r| r >= 1.0).count();
+        let median = ratios[ratios.len() / 2];
+        println!("{what}: {covered} of {} covered, told / true {median:.2} in the median", ratios.len());
+        assert!(covered >= 95, "{what}: {covered} of {} covered", ratios.len());
+        assert!(median < 3.0, "{what}: told / true {median}");
     }
 }
