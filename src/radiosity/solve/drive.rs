@@ -99,6 +99,12 @@ fn first_light(system: &System, solver: Solver) -> Vec<Vec3A> {
     (0..system.len()).map(bounced).collect()
 }
 
+/// Residuals up to this are what f32 leaves: they grow and shrink by chance.
+fn rounding(reflected: &[Vec3A]) -> f64 {
+    let brightest = |most: f32, r: &Vec3A| most.max(r.abs().max_element());
+    16.0 * f64::from(f32::EPSILON * reflected.iter().fold(0.0, brightest))
+}
+
 /// The best light so far.
 struct Best {
     residual: f64,
@@ -183,7 +189,9 @@ impl<'a> Drive<'a> {
             }
             growing = if residual > before { growing + 1 } else { 0 };
             before = residual;
-            let astray = growing == GROWING && method.may_diverge();
+            let astray = growing >= GROWING
+                && method.may_diverge()
+                && residual > rounding(&reflected);
             if let Some(best) = best.take_if(|b| astray || self.enough(&system, contraction, b)) {
                 let ended = if astray { Ended::Growing } else { Ended::AtLast };
                 return Ok(ended(best));
