@@ -8,7 +8,7 @@ use std::sync::Mutex;
 
 use bevy_fresco::radiosity::{
     Bake, BakeSettings, ElementLight, Material, ObjectLight, Observer, PartialLight,
-    PreviewSettings, Solver, ValidScene, preview, solve_elements,
+    PreviewSettings, Solver, ValidScene, bake, preview, solve_elements,
 };
 use common::{grey, quad, room, scene};
 use glam::{Vec3, Vec4};
@@ -45,7 +45,13 @@ fn open_room() -> ValidScene {
     objects.push(quad("lamp", Vec3::new(0.38, 0.99, 0.4), x, z, 1, 3));
     let at = Vec3::new(0.2, 0.0, 0.3);
     let (x, y, z) = (Vec3::X * 0.3, Vec3::Y * 0.4, Vec3::Z * 0.3);
-    for (a, u, v) in [(at + y, z, x), (at, y, x), (at + z, x, y), (at, z, y), (at + x, y, z)] {
+    for (a, u, v) in [
+        (at + y, z, x),
+        (at, y, x),
+        (at + z, x, y),
+        (at, z, y),
+        (at + x, y, z),
+    ] {
         objects.push(quad("block", a, u, v, 1, 0));
     }
     let materials = vec![
@@ -148,10 +154,17 @@ fn all_solvers_agree_with_elimination_within_their_bounds() {
         for (c, truth) in truth.iter().enumerate() {
             let found = reflected(&light, c);
             let worst = (found.iter().zip(truth)).fold(0.0_f64, |w, (a, b)| w.max((a - b).abs()));
-            assert!(worst <= allowed, "{solver:?}: {worst:e} off, {allowed:e} allowed");
+            assert!(
+                worst <= allowed,
+                "{solver:?}: {worst:e} off, {allowed:e} allowed"
+            );
             let error = relative_error(&light, &found, truth);
             // Another estimate of the same light: within the noise of 256 rays.
-            let limit = if solver == Solver::ConjugateGradients { 0.02 } else { 1e-4 };
+            let limit = if solver == Solver::ConjugateGradients {
+                0.02
+            } else {
+                1e-4
+            };
             assert!(error < limit, "{solver:?}: {error:e}");
         }
     }
@@ -235,7 +248,10 @@ impl Observer for Looking {
 }
 
 fn vertex_values(objects: &[ObjectLight]) -> Vec<Vec3> {
-    objects.iter().flat_map(|o| o.light.iter().copied()).collect()
+    objects
+        .iter()
+        .flat_map(|o| o.light.iter().copied())
+        .collect()
 }
 
 #[test]
@@ -251,12 +267,19 @@ fn partial_light_nears_the_final_light() {
     // Vertices belong to the objects' own meshes, in order.
     assert_eq!(seen[0].2.len(), 11);
     // The final light of a vertex is that of elements around it.
-    let brightest = light.elements.iter().map(|e| e.irradiance.x).fold(0.0, f32::max);
+    let brightest = light
+        .elements
+        .iter()
+        .map(|e| e.irradiance.x)
+        .fold(0.0, f32::max);
     assert!(last.iter().all(|l| l.x > 0.0 && l.x <= brightest * 1.001));
     let error = |objects: &[ObjectLight]| {
-        let sums = vertex_values(objects).into_iter().zip(&last).fold((0.0, 0.0), |s, (a, b)| {
-            (s.0 + (a - *b).length_squared(), s.1 + b.length_squared())
-        });
+        let sums = vertex_values(objects)
+            .into_iter()
+            .zip(&last)
+            .fold((0.0, 0.0), |s, (a, b)| {
+                (s.0 + (a - *b).length_squared(), s.1 + b.length_squared())
+            });
         (sums.0 / sums.1).sqrt()
     };
     let errors: Vec<f32> = seen.iter().map(|s| error(&s.2)).collect();
@@ -269,7 +292,61 @@ fn partial_light_nears_the_final_light() {
     // The ambient term makes the first look as bright as the last.
     let mean = |values: &[Vec3]| values.iter().sum::<Vec3>() / values.len() as f32;
     let ratio = mean(&vertex_values(&seen[0].2)) / mean(&last);
-    assert!(ratio.min_element() > 0.6 && ratio.max_element() < 1.6, "{ratio}");
+    assert!(
+        ratio.min_element() > 0.6 && ratio.max_element() < 1.6,
+        "{ratio}"
+    );
+}
+
+#[test]
+fn partial_light_ends_near_that_of_a_bake() {
+    let mut objects = room(Vec3::new(2.0, 1.5, 3.0), 1, [0, 1, 0, 2, 0, 0]);
+    // One wall is lit from behind, and a sheet in the middle has no elements.
+    for t in &mut objects[3].triangles {
+        t.swap(1, 2);
+    }
+    let middle = Vec3::new(0.8, 0.7, 1.0);
+    let mut sheet = quad("sheet", middle, Vec3::Z, Vec3::X * 0.4, 1, 0);
+    sheet.casts = false;
+    objects.push(sheet);
+    let double_sided = Material {
+        double_sided: true,
+        ..grey(0.5, 0.0)
+    };
+    let materials = vec![grey(0.5, 0.0), grey(0.5, 1.0), double_sided];
+    let scene = scene(objects, materials).validate().unwrap();
+    let looking = Looking::default();
+    let settings = BakeSettings {
+        max_edge: Some(0.3),
+        ..settings(Solver::ProgressiveRefinement, 2000)
+    };
+    let bake = bake(&scene, &settings, &looking).unwrap();
+    let seen = looking.0.into_inner().unwrap();
+    let last = &seen.last().unwrap().2;
+    assert_eq!(last.len(), bake.objects.len());
+    for (o, (rough, fitted)) in last.iter().zip(&bake.objects).enumerate() {
+        assert_eq!(rough.mesh, fitted.mesh);
+        assert!(rough.mesh.is_some() && rough.light.len() == fitted.light.len());
+        if o == 6 {
+            // It gets the mean of the vertices.
+            assert!(
+                rough
+                    .light
+                    .iter()
+                    .all(|l| *l == rough.light[0] && l.x > 0.1)
+            );
+            continue;
+        }
+        let pairs = || rough.light.iter().zip(&fitted.light);
+        let squares: f32 = pairs().map(|(a, b)| (a.x - b.x).powi(2)).sum();
+        let size: f32 = pairs().map(|(_, b)| b.x.powi(2)).sum();
+        // Elements are as large as triangles are, and edges between walls bend.
+        assert!(
+            (squares / size).sqrt() < 0.12,
+            "object {o}: {}",
+            (squares / size).sqrt()
+        );
+    }
 }
 
 #[test]
@@ -307,7 +384,13 @@ fn every_solver_shows_its_sweeps() {
         assert!(seen.len() > report.sweeps as usize, "{solver:?}");
         assert!(seen.last().unwrap().1 < 1e-3, "{solver:?}");
         assert_eq!(report.residuals.len(), report.sweeps as usize + 1);
-        assert_eq!(report.bytes > 0, matches!(solver, Solver::ProgressiveRefinement | Solver::ConjugateGradients));
+        assert_eq!(
+            report.bytes > 0,
+            matches!(
+                solver,
+                Solver::ProgressiveRefinement | Solver::ConjugateGradients
+            )
+        );
     }
 }
 

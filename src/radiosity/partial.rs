@@ -103,10 +103,15 @@ impl<'a> PartialLight<'a> {
                 }
             }
         }
-        let all = sums.iter().fold((DVec3::ZERO, 0.0), |a, s| (a.0 + s.0, a.1 + s.1));
+        let all = sums
+            .iter()
+            .fold((DVec3::ZERO, 0.0), |a, s| (a.0 + s.0, a.1 + s.1));
         let mean = |(sum, total): (DVec3, f64)| (sum / total.max(f64::MIN_POSITIVE)).as_vec3();
         let own_or_all = |s: (DVec3, f64)| mean(if s.1 > 0.0 { s } else { all });
-        sums.into_iter().map(own_or_all).map(|l| l.max(Vec3::ZERO)).collect()
+        sums.into_iter()
+            .map(own_or_all)
+            .map(|l| l.max(Vec3::ZERO))
+            .collect()
     }
 
     /// Near each corner of a triangle, the weights of the second and third corner of its source.

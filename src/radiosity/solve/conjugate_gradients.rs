@@ -66,9 +66,8 @@ impl Method for ConjugateGradients<'_> {
         watch: &Watch,
     ) -> Result<(), Cancelled> {
         let system = self.system;
-        let residual = |e: usize| {
-            system.reflectance(e) * now.arriving[e].as_dvec3() - reflected[e].as_dvec3()
-        };
+        let residual =
+            |e: usize| system.reflectance(e) * now.arriving[e].as_dvec3() - reflected[e].as_dvec3();
         let squares = self.product(watch, |e| (residual(e), residual(e)))?;
         let keep = divide(squares, self.squares).as_dvec3();
         self.squares = squares;
@@ -79,7 +78,10 @@ impl Method for ConjugateGradients<'_> {
         let along = self.product(watch, |e| (residual(e), direction[e].as_dvec3()))?;
         let curvature = self.product(watch, |e| {
             let d = direction[e].as_dvec3();
-            (d, d - system.reflectance(e) * system.rows.gather(e, direction))
+            (
+                d,
+                d - system.reflectance(e) * system.rows.gather(e, direction),
+            )
         })?;
         let length = divide(along, curvature).as_dvec3();
         for (r, d) in reflected.iter_mut().zip(direction) {

@@ -68,9 +68,7 @@ pub(crate) fn solve(
         }
         Solver::GaussSeidel => drive.run(system, Relaxation::new(system, 1.0), start)?,
         Solver::Jacobi => drive.run(system, Jacobi { system }, start)?,
-        Solver::Sor { omega } => {
-            drive.run(system, Relaxation::new(system, omega.into()), start)?
-        }
+        Solver::Sor { omega } => drive.run(system, Relaxation::new(system, omega.into()), start)?,
         Solver::ProgressiveRefinement => {
             let shooting = Shooting::new(system, settings.solver_tolerance, watch)?;
             drive.report.bytes = shooting.bytes();
@@ -189,11 +187,14 @@ impl<'a> Drive<'a> {
             }
             growing = if residual > before { growing + 1 } else { 0 };
             before = residual;
-            let astray = growing >= GROWING
-                && method.may_diverge()
-                && residual > rounding(&reflected);
+            let astray =
+                growing >= GROWING && method.may_diverge() && residual > rounding(&reflected);
             if let Some(best) = best.take_if(|b| astray || self.enough(&system, contraction, b)) {
-                let ended = if astray { Ended::Growing } else { Ended::AtLast };
+                let ended = if astray {
+                    Ended::Growing
+                } else {
+                    Ended::AtLast
+                };
                 return Ok(ended(best));
             }
             method.step(&now, &mut reflected, self.watch)?;

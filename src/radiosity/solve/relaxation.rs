@@ -86,9 +86,13 @@ impl Method for Relaxation<'_> {
             }
         }
         for e in 0..reflected.len() {
-            let next = self.system.reflect(e, reflected) * self.omega;
-            let last = reflected[e].as_dvec3() * (1.0 - self.omega);
-            reflected[e] = (next + last).as_vec3a();
+            let mut next = self.system.reflect(e, reflected);
+            // Nothing is rounded twice where there is nothing to add.
+            if self.omega != 1.0 {
+                let last = reflected[e].as_dvec3();
+                next = last + (next - last) * self.omega;
+            }
+            reflected[e] = next.as_vec3a();
             if e % BETWEEN_QUESTIONS == 0 {
                 watch.ask()?;
             }

@@ -46,8 +46,7 @@ impl Enclosure {
         let ids: Vec<Vec<Option<u32>>> = (0..n as u32)
             .map(|e| {
                 let hit = |i: u32| {
-                    (random(e, 100 + i) >= open)
-                        .then(|| hash(hash(seed, e), 5000 + i) % n as u32)
+                    (random(e, 100 + i) >= open).then(|| hash(hash(seed, e), 5000 + i) % n as u32)
                 };
                 (0..rays).map(hit).collect()
             })
@@ -159,7 +158,11 @@ impl Enclosure {
 
 /// Two plates that see nothing but each other, `n` elements each: an eigenvalue −ρ beside ρ.
 fn facing_plates(n: u32, rho: f32) -> Enclosure {
-    let row = |e: u32| (0..n).map(|j| Some(j + if e < n { n } else { 0 })).collect();
+    let row = |e: u32| {
+        (0..n)
+            .map(|j| Some(j + if e < n { n } else { 0 }))
+            .collect()
+    };
     let ids: Vec<Vec<Option<u32>>> = (0..2 * n).map(row).collect();
     let count = 2 * n as usize;
     let mut matrix = vec![vec![0.0; count]; count];
@@ -189,7 +192,11 @@ fn the_bound_covers_the_error_of_random_enclosures() {
                 let report = &solution.report;
                 // Conjugate gradients answer for the system they solved.
                 let symmetric = report.solver == Solver::ConjugateGradients;
-                let enclosure = if symmetric { &given.symmetrized() } else { &given };
+                let enclosure = if symmetric {
+                    &given.symmetrized()
+                } else {
+                    &given
+                };
                 let error = enclosure.largest_error(&solution);
                 let (bound, storage) = (report.error_bound, enclosure.storage());
                 assert!(
@@ -227,7 +234,8 @@ fn all_solvers_find_the_same_light() {
             let solution = enclosure.solved(solver, 1e-4, 2000);
             let report = &solution.report;
             assert!(report.converged, "{solver:?}, seed {seed}: {report:?}");
-            let mut allowed = report.error_bound + reference.report.error_bound + enclosure.storage();
+            let mut allowed =
+                report.error_bound + reference.report.error_bound + enclosure.storage();
             if report.solver == Solver::ConjugateGradients {
                 // The residual in the given system bounds the distance to its solution as well.
                 let mean = enclosure.elements.mean(&solution.reflected).max_element();
@@ -238,7 +246,10 @@ fn all_solvers_find_the_same_light() {
             }
             for (a, b) in solution.reflected.iter().zip(&reference.reflected) {
                 let apart = f64::from((*a - *b).abs().max_element());
-                assert!(apart <= allowed, "{solver:?}, seed {seed}: {apart:e} > {allowed:e}");
+                assert!(
+                    apart <= allowed,
+                    "{solver:?}, seed {seed}: {apart:e} > {allowed:e}"
+                );
             }
             assert_eq!(report.shots > 0, solver == Solver::ProgressiveRefinement);
         }
@@ -253,9 +264,15 @@ fn symmetrized_rows_obey_reciprocity_and_sum_up_as_given() {
         let area = |e: usize| f64::from(given.elements.area[e]);
         for i in 0..given.direct.len() {
             let (sum, was) = (symmetric.rows.row_sum(i), given.rows.row_sum(i));
-            assert!((sum - was).abs() < 1e-5, "seed {seed}: row {i} sums to {sum}, not {was}");
+            assert!(
+                (sum - was).abs() < 1e-5,
+                "seed {seed}: row {i} sums to {sum}, not {was}"
+            );
             for j in 0..i {
-                let (there, back) = (symmetric.matrix[i][j] * area(i), symmetric.matrix[j][i] * area(j));
+                let (there, back) = (
+                    symmetric.matrix[i][j] * area(i),
+                    symmetric.matrix[j][i] * area(j),
+                );
                 assert!((there - back).abs() <= 1e-6 * there, "{there} {back}");
             }
         }
@@ -281,7 +298,10 @@ fn facing_plates_converge_or_fall_back() {
             assert_eq!(report.fell_back.is_some(), report.solver != solver);
             assert!(report.fell_back.is_none_or(|s| s == solver));
             let error = plates.largest_error(&solution);
-            assert!(error <= report.error_bound + plates.storage(), "{solver:?}: {error}");
+            assert!(
+                error <= report.error_bound + plates.storage(),
+                "{solver:?}: {error}"
+            );
         }
     }
 }
@@ -292,12 +312,16 @@ fn ring(n: u32, rho: f32) -> Enclosure {
     let ids: Vec<Vec<Option<u32>>> = (0..n).map(|e| vec![Some((e + n - 1) % n); 4]).collect();
     let mut matrix = vec![vec![0.0; n as usize]; n as usize];
     for (e, row) in ids.iter().enumerate() {
-        row.iter().flatten().for_each(|&j| matrix[e][j as usize] += 0.25);
+        row.iter()
+            .flatten()
+            .for_each(|&j| matrix[e][j as usize] += 0.25);
     }
     Enclosure {
         elements: Elements::for_test(vec![Vec3::splat(rho); n as usize], vec![1.0; n as usize]),
         rows: Matrix::Hits(HitList::from_rows(&ids)),
-        direct: (0..n).map(|e| Vec3::splat(unit_float(hash(e, 3)))).collect(),
+        direct: (0..n)
+            .map(|e| Vec3::splat(unit_float(hash(e, 3))))
+            .collect(),
         matrix,
     }
 }
@@ -315,7 +339,11 @@ fn a_growing_residual_hands_over() {
     assert!(ring.largest_error(&solution) <= report.error_bound + ring.storage());
     // Without sweeps left, the best light there was.
     let short = ring.solved(solver, 1e-3, 2).report;
-    let least = short.residuals.iter().copied().fold(f64::INFINITY, f64::min);
+    let least = short
+        .residuals
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
     assert!(!short.converged && short.fell_back.is_none());
     assert_eq!(short.residual, least);
 }
@@ -400,9 +428,15 @@ fn giving_up_is_asked_for_often() {
         };
         let sweeps = watch_until(u32::MAX).unwrap();
         let all = asked.get();
-        assert!(all > sweeps, "{solver:?} asks {all} times in {sweeps} sweeps");
+        assert!(
+            all > sweeps,
+            "{solver:?} asks {all} times in {sweeps} sweeps"
+        );
         for last in 0..all {
-            assert!(watch_until(last).is_err(), "{solver:?} goes on after question {last}");
+            assert!(
+                watch_until(last).is_err(),
+                "{solver:?} goes on after question {last}"
+            );
         }
     }
 }
@@ -430,7 +464,10 @@ fn the_ambient_term_is_what_is_missing_where_all_are_alike() {
     };
     let truth = Vec3::splat(3.0) / (Vec3::ONE - rho * 0.8);
     let shown = direct[0] + glimpse.ambient();
-    assert!((shown - truth).abs().max_element() < 1e-5, "{shown}, {truth}");
+    assert!(
+        (shown - truth).abs().max_element() < 1e-5,
+        "{shown}, {truth}"
+    );
     assert_eq!(glimpse.unshot_share(), 1.0);
 }
 
@@ -448,13 +485,19 @@ fn light_is_shown_after_powers_of_two_and_often_after_that() {
         solver_tolerance: 1e-3,
         ..BakeSettings::DRAFT
     };
-    let report = solve(&enclosure.system(), &settings, None, &watch).unwrap().report;
+    let report = solve(&enclosure.system(), &settings, None, &watch)
+        .unwrap()
+        .report;
     let shown = shown.into_inner();
     assert_eq!(shown[0], (0, 1.0));
     assert_eq!(shown[1].0, 1);
     assert_eq!(shown[2].0, 2);
     assert_eq!(shown.last().unwrap().0, report.shots);
     assert!(shown.is_sorted_by_key(|s| s.0), "{shown:?}");
-    assert!(shown.len() as u64 <= 6 + 10 * (report.shots / n + 1), "{}", shown.len());
+    assert!(
+        shown.len() as u64 <= 6 + 10 * (report.shots / n + 1),
+        "{}",
+        shown.len()
+    );
     assert!(shown.last().unwrap().1 < 1e-3, "{shown:?}");
 }

@@ -75,11 +75,17 @@ fn factors(system: &System, means: &[Row], watch: &Watch) -> Result<Vec<f64>, Ca
         let stretch = map_elements(means.len(), watch, |range| {
             let sum = |i: usize| -> f64 {
                 let entries = means[i].entries.iter();
-                entries.map(|&(j, w)| f64::from(w) * factors[j as usize]).sum()
+                entries
+                    .map(|&(j, w)| f64::from(w) * factors[j as usize])
+                    .sum()
             };
             let stretch = |i: usize| {
                 let is = factors[i] * sum(i);
-                if is > 0.0 { system.rows.row_sum(i) / is } else { 1.0 }
+                if is > 0.0 {
+                    system.rows.row_sum(i) / is
+                } else {
+                    1.0
+                }
             };
             range.map(stretch).collect::<Vec<f64>>()
         })?

@@ -101,7 +101,6 @@ impl System<'_> {
             .map(|e| brightest(e) * self.rows.row_sum(e))
             .fold(0.0, f64::max)
     }
-
 }
 
 /// Bound on the error of any element, of the largest residual and the contraction.
