@@ -236,6 +236,30 @@ fn a_mean_field_and_gradients_do_not_mind_bright_walls() {
     assert!(open <= 8, "{open}");
 }
 
+#[test]
+fn gradients_find_their_way_through_a_row_of_rooms() {
+    let mut objects = room(Vec3::new(6.0, 2.0, 2.0), 1, [0, 0, 1, 0, 0, 0]);
+    for x in [2.0, 4.0] {
+        let (y, z) = (Vec3::Y * 2.0, Vec3::Z * 1.8);
+        objects.push(quad("wall with a gap", Vec3::X * x, y, z, 1, 2));
+    }
+    let sheet = Material {
+        double_sided: true,
+        ..grey(0.95, 0.0)
+    };
+    let materials = vec![grey(0.95, 0.0), grey(0.95, 1.0), sheet];
+    let rooms = scene(objects, materials).validate().unwrap();
+    let gradients = sweeps_to_four_digits(&rooms, Solver::ConjugateGradients, 50);
+    let mean_field = sweeps_to_four_digits(&rooms, Solver::GaussSeidelMeanField, 100);
+    let gauss_seidel = sweeps_to_four_digits(&rooms, Solver::GaussSeidel, 200);
+    let found = (gradients, mean_field, gauss_seidel);
+    assert!(gradients <= 14, "{found:?}");
+    assert!(
+        3 * gradients < mean_field && mean_field < gauss_seidel,
+        "{found:?}"
+    );
+}
+
 /// Looks at all partial light there is.
 #[derive(Default)]
 struct Looking(Mutex<Vec<(u64, f64, Vec<ObjectLight>)>>);

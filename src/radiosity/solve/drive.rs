@@ -32,9 +32,10 @@ pub(super) trait Method {
         watch: &Watch,
     ) -> Result<(), Cancelled>;
 
-    /// Whether it may lead away from the solution for good.
+    /// Whether it may lead away from the solution for good. Gathering and shooting cannot, in
+    /// whatever order, while ρ · row sum is below 1 (Chazan and Miranker 1969).
     fn may_diverge(&self) -> bool {
-        true
+        false
     }
 
     /// Elements that shot their light so far, if that is what a step does.
@@ -49,8 +50,8 @@ const GROWING: u32 = 3;
 /// Solves for the reflected light `R = ρ (D + F R)`, `D` the direct light at each element. A
 /// `start` that is near the solution saves sweeps.
 ///
-/// Where the residual grows three sweeps running, Gauss–Seidel with a mean field goes on from the
-/// best light so far. Light below 0, which over-relaxation and conjugate gradients may leave, is
+/// Where a method that may diverge makes the residual grow three sweeps running, Gauss–Seidel with
+/// a mean field goes on from the best light so far. Light below 0, which over-relaxation and conjugate gradients may leave, is
 /// cut off in the end: the solution has none, so that the error only shrinks.
 pub(crate) fn solve(
     system: &System,

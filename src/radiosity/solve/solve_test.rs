@@ -219,7 +219,6 @@ fn the_bound_covers_the_error_of_random_enclosures() {
             }
         }
         looseness.sort_by(f64::total_cmp);
-        println!("{solver:?}: median bound / error {:.1}", looseness[60]);
         assert!(looseness[60] < 30.0, "{solver:?}: {}", looseness[60]);
     }
 }
