@@ -178,7 +178,7 @@ impl<'a> Run<'a> {
         };
         let traced = self.form_factors(&view)?;
         let (direct, arrived) = self.direct(&view, &traced)?;
-        let solution = self.solve(&elements, &traced, &arrived)?;
+        let solution = self.solve(&elements, &traced, &arrived, &receivers)?;
         let error = self.error(&view, &traced, &solution)?;
         Ok(Solved {
             pyramids,
