@@ -7,10 +7,12 @@
 //! |---|---|
 //! | `method` | the methods to choose from |
 //! | `hit_list` | cosine-distributed rays: the default |
+//! | `hemicube` | pictures of the scene from each element |
 //! | `matrix` | how rows are kept |
 //! | `traced` | what a method found: rows, sky, emitters met by chance |
 
 mod analytic;
+mod hemicube;
 mod hit_list;
 mod matrix;
 mod method;
@@ -53,8 +55,10 @@ pub(crate) fn form_factors(
 ) -> Result<(Traced, u64), Cancelled> {
     match view.settings.form_factors {
         FormFactors::HitList => hit_list::trace(view, before, observer),
-        FormFactors::Hemicube { .. }
-        | FormFactors::Analytic { .. }
+        FormFactors::Hemicube { resolution } => {
+            Ok((hemicube::rows(view, resolution, observer)?, 0))
+        }
+        FormFactors::Analytic { .. }
         | FormFactors::AreaSampling { .. } => todo!(),
     }
 }
