@@ -58,7 +58,6 @@ pub(crate) fn form_factors(
         FormFactors::Hemicube { resolution } => {
             Ok((hemicube::rows(view, resolution, observer)?, 0))
         }
-        FormFactors::Analytic { .. }
-        | FormFactors::AreaSampling { .. } => todo!(),
+        FormFactors::Analytic { .. } | FormFactors::AreaSampling { .. } => todo!(),
     }
 }

@@ -112,7 +112,10 @@ mod tests {
         for resolution in [16, 32, 64, 128, 256, 512] {
             let excess = unscaled(resolution).2 - 1.0;
             let expected = 0.5423 / (resolution as f64).powi(2);
-            assert!((excess / expected - 1.0).abs() < 0.01, "{resolution}: {excess}");
+            assert!(
+                (excess / expected - 1.0).abs() < 0.01,
+                "{resolution}: {excess}"
+            );
         }
     }
 

@@ -1,6 +1,5 @@
 use glam::{Mat3, Vec3, Vec3A, Vec3Swizzles};
 
-use super::faces::{Face, Linear};
 use crate::radiosity::element::ElementId;
 use crate::radiosity::form_factor::View;
 use crate::radiosity::occlusion::{OFFSET, TIE};
@@ -15,8 +14,8 @@ pub(super) struct Facet {
     normal: Vec3,
     /// `normal · corner`.
     height: f32,
-    /// Each side is one element.
-    whole: bool,
+    /// Cells along an edge.
+    cells: f32,
     /// Light can pass.
     transmits: bool,
 }
@@ -31,7 +30,7 @@ impl Facet {
             corners: [0, 1, 2].map(|axis| Vec3A::from(corners.map(|c| c[axis]))),
             normal,
             height: normal.as_dvec3().dot(corners[0].as_dvec3()) as f32,
-            whole: view.elements.of_triangle(triangle).count() == sides,
+            cells: (view.elements.of_triangle(triangle).count() / sides).isqrt() as f32,
             transmits: view.occluders.transmits(triangle),
         }
     }
@@ -64,8 +63,8 @@ pub(super) struct Eye {
 /// the last bit, so that no pixel on it is lost or drawn twice.
 pub(super) struct Seen {
     pub(super) triangle: u32,
-    /// All that is seen of it is one element.
-    pub(super) whole: bool,
+    /// It is cut into this many cells along an edge.
+    pub(super) cells: f32,
     /// Light can pass.
     pub(super) transmits: bool,
     /// Seen from behind.
@@ -124,7 +123,7 @@ impl Eye {
         let normal = self.axes.transpose() * facet.normal;
         Some(Seen {
             triangle: facet.triangle,
-            whole: facet.whole,
+            cells: facet.cells,
             transmits: facet.transmits,
             back,
             corners,
@@ -137,29 +136,6 @@ impl Eye {
     #[cfg(test)]
     pub(super) fn place(&self) -> (Vec3, Vec3) {
         (self.position, self.axes.z_axis)
-    }
-}
-
-impl Seen {
-    /// Which of its points each pixel of a face shows.
-    pub(super) fn barycentrics(&self, face: &Face, resolution: usize) -> Barycentrics {
-        Barycentrics {
-            edges: face.linear(face.turned(&self.edges), resolution),
-        }
-    }
-}
-
-/// See [`Seen`].
-pub(super) struct Barycentrics {
-    edges: Linear<Vec3A>,
-}
-
-impl Barycentrics {
-    /// Weights of the second and third corner.
-    pub(super) fn at(&self, row: usize, column: usize) -> [f32; 2] {
-        let e = self.edges.at_row(row) + self.edges.column * column as f32;
-        let inverse = 1.0 / (e.x + e.y + e.z);
-        [e.y * inverse, e.z * inverse]
     }
 }
 

@@ -37,6 +37,7 @@
 //! | `faces` | the five faces and their axes |
 //! | `eye` | where a hemicube stands, and triangles as seen from there |
 //! | `raster` | z-buffer and item buffer |
+//! | `places` | which point of a triangle a pixel shows |
 //! | `shares` | from pixels to elements |
 //! | `near` | what is too near to be judged from one point |
 
@@ -44,6 +45,7 @@ mod delta;
 mod eye;
 mod faces;
 mod near;
+mod places;
 mod raster;
 mod shares;
 #[cfg(test)]
@@ -65,6 +67,7 @@ use delta::DeltaFormFactors;
 use eye::{Eye, Facet, Seen};
 use faces::{FACES, Face};
 use near::{Mended, NearPairs};
+use places::Places;
 use raster::Picture;
 use shares::Shares;
 
@@ -164,7 +167,10 @@ impl<'a> Hemicube<'a> {
     }
 
     fn draw(&self, e: usize, index: usize, face: &Face, buffers: &mut Buffers) {
-        let seed = self.view.elements.seed(ElementId(e as u32), self.view.settings.seed);
+        let seed = self
+            .view
+            .elements
+            .seed(ElementId(e as u32), self.view.settings.seed);
         let Buffers { seen, picture, .. } = buffers;
         for (seen, item) in seen.iter().zip(0..) {
             if !seen.transmits {
@@ -172,10 +178,10 @@ impl<'a> Hemicube<'a> {
                 continue;
             }
             // A ray through each pixel passes or not, as rays do.
-            let places = seen.barycentrics(face, self.resolution);
+            let edges = Places::edges(seen, face, self.resolution);
             picture.draw_in_part(face, seen, item, |row, column| {
                 let pixel = (index * self.resolution + row) * self.resolution + column;
-                let uv = places.at(row, column);
+                let uv = Places::new(seen, &edges, row).uv(column);
                 let ray = hash(seed, pixel as u32);
                 !self.view.occluders.passes(seen.triangle, uv, ray)
             });

@@ -82,11 +82,13 @@ impl<'a> NearPairs<'a> {
 
 /// Whether some corner of element `i` is above the plane of some piece of `j`.
 fn above(scene: &ValidScene, elements: &Elements, i: u32, j: u32) -> bool {
-    elements.shape(scene, ElementId(j)).any(|(_, plane, normal)| {
-        let high = |p: Vec3| normal.dot(p - plane[0]) > 2.0 * OFFSET;
-        let mut corners = elements.shape(scene, ElementId(i)).flat_map(|s| s.1);
-        corners.any(high)
-    })
+    elements
+        .shape(scene, ElementId(j))
+        .any(|(_, plane, normal)| {
+            let high = |p: Vec3| normal.dot(p - plane[0]) > 2.0 * OFFSET;
+            let mut corners = elements.shape(scene, ElementId(i)).flat_map(|s| s.1);
+            corners.any(high)
+        })
 }
 
 /// Sets form factors, given in rising order, and scales the others and the sky so that the whole is
@@ -109,7 +111,8 @@ fn close(row: &mut Row, exact: &[(u32, f64)]) -> bool {
     row.sky *= far_scale;
     let near_scale = 1.0 / near.max(1.0);
     let exact = exact.iter().filter(|e| e.1 > 0.0);
-    row.entries.extend(exact.map(|&(id, f)| (id, (f * near_scale) as f32)));
+    row.entries
+        .extend(exact.map(|&(id, f)| (id, (f * near_scale) as f32)));
     row.entries.sort_unstable_by_key(|e| e.0);
     near > 1.0
 }
@@ -177,7 +180,9 @@ impl Tree {
                 continue;
             }
             let ids = &self.ids[node.first_id as usize..(node.first_id + node.count) as usize];
-            let near = ids.iter().filter(|&&id| apart(&bounds[id as usize], of) < reach);
+            let near = ids
+                .iter()
+                .filter(|&&id| apart(&bounds[id as usize], of) < reach);
             found.extend(near);
         }
     }
@@ -185,7 +190,10 @@ impl Tree {
 
 /// How far apart two boxes are.
 fn apart(a: &Bounds, b: &Bounds) -> f32 {
-    (a.low - b.high).max(b.low - a.high).max(Vec3::ZERO).length()
+    (a.low - b.high)
+        .max(b.low - a.high)
+        .max(Vec3::ZERO)
+        .length()
 }
 
 #[cfg(test)]
@@ -199,7 +207,10 @@ mod tests {
             .map(|i| {
                 let [x, y, z, size] = sobol(i, 0, 9);
                 let low = Vec3::new(x, y, z);
-                Bounds { low, high: low + size * size * size }
+                Bounds {
+                    low,
+                    high: low + size * size * size,
+                }
             })
             .collect();
         let tree = Tree::new(&bounds);

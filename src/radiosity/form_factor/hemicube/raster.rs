@@ -89,7 +89,14 @@ impl Picture {
             let start = depth.at_row(row) + depth.column * span.start as f32;
             let pixels = row * resolution + span.start..row * resolution + span.end;
             let depths = &mut self.depths[pixels.clone()];
-            draw(row, span.start, depths, &mut self.items[pixels], start, depth.column);
+            draw(
+                row,
+                span.start,
+                depths,
+                &mut self.items[pixels],
+                start,
+                depth.column,
+            );
         }
     }
 }

@@ -1,6 +1,7 @@
 use super::delta::DeltaFormFactors;
 use super::eye::Seen;
 use super::faces::Face;
+use super::places::Places;
 use super::raster::{NOTHING, Picture};
 use crate::radiosity::element::Elements;
 use crate::radiosity::form_factor::matrix::Row;
@@ -66,26 +67,31 @@ impl Shares {
         elements: &Elements,
     ) {
         let element = |uv| elements.side_at(seen.triangle, uv, seen.back);
-        if seen.whole {
+        if seen.cells == 1.0 {
             if let Some(element) = element([0.0; 2]) {
                 self.give(element.0, total(weights));
             }
             return;
         }
-        let places = seen.barycentrics(face, self.resolution);
-        let (mut last, mut sum) = (None, 0.0);
-        for (x, &weight) in (first..).zip(weights) {
-            let here = element(places.at(row, x));
-            if here != last {
-                if let Some(element) = last {
-                    self.give(element.0, sum);
+        let edges = Places::edges(seen, face, self.resolution);
+        let places = Places::new(seen, &edges, row);
+        let columns = first..first + weights.len();
+        if places.change_often(&columns) {
+            for (column, &weight) in columns.zip(weights) {
+                if let Some(element) = element(places.uv(column)) {
+                    self.give(element.0, weight.into());
                 }
-                (last, sum) = (here, 0.0);
             }
-            sum += f64::from(weight);
+            return;
         }
-        if let Some(element) = last {
-            self.give(element.0, sum);
+        let mut column = columns.start;
+        while column < columns.end {
+            let (uv, end) = places.run(column);
+            let end = end.min(columns.end);
+            if let Some(element) = element(uv) {
+                self.give(element.0, total(&weights[column - first..end - first]));
+            }
+            column = end;
         }
     }
 
@@ -115,11 +121,15 @@ impl Shares {
 /// Short sums in f32 lose nothing that matters.
 fn total(weights: &[f32]) -> f64 {
     let (blocks, rest) = weights.as_chunks::<8>();
+    let rest: f32 = rest.iter().sum();
+    if blocks.is_empty() {
+        return rest.into();
+    }
     let mut lanes = [0.0; 8];
     for block in blocks {
         for (lane, &weight) in lanes.iter_mut().zip(block) {
             *lane += weight;
         }
     }
-    f64::from(lanes.iter().sum::<f32>() + rest.iter().sum::<f32>())
+    f64::from(lanes.iter().sum::<f32>() + rest)
 }
