@@ -3,7 +3,7 @@ use crate::radiosity::element::{ElementId, Elements};
 use crate::radiosity::form_factor::View;
 use crate::radiosity::form_factor::analytic::Analytic;
 use crate::radiosity::form_factor::matrix::Row;
-use crate::radiosity::occlusion::OFFSET;
+use crate::radiosity::occlusion::{NO_TRIANGLE, OFFSET, TIE};
 use crate::radiosity::validate::ValidScene;
 use glam::Vec3;
 
@@ -65,12 +65,42 @@ impl<'a> NearPairs<'a> {
             return Mended::default();
         }
         near.sort_unstable();
-        let exact = |&j: &u32| (j, self.analytic.form_factor(e, j as usize));
+        let exact = |&j: &u32| {
+            let hidden = self.is_covered(j);
+            (
+                j,
+                if hidden {
+                    0.0
+                } else {
+                    self.analytic.form_factor(e, j as usize)
+                },
+            )
+        };
         let exact: Vec<(u32, f64)> = near.iter().map(exact).collect();
         Mended {
             near_pairs: near.len() as u64,
             scaled: close(row, &exact),
         }
+    }
+
+    /// Whether another surface at the same place is met in place of an element. Shadow rays end at
+    /// both, and would let both have all the light.
+    fn is_covered(&self, j: u32) -> bool {
+        let View {
+            scene,
+            elements,
+            occluders,
+            ..
+        } = &self.view;
+        let point = elements.point(scene, ElementId(j), 0.5, 0.5);
+        let from = point.position + point.normal * TIE;
+        let other = occluders.closest(from, -point.normal, point.triangle, NO_TRIANGLE);
+        other.is_some_and(|hit| {
+            let name = |t: u32| (occluders.name(t), t);
+            hit.distance < 2.0 * TIE
+                && elements.at(&hit).is_some()
+                && name(hit.triangle) < name(point.triangle)
+        })
     }
 
     /// Whether each of two elements has a part above the plane of a part of the other.

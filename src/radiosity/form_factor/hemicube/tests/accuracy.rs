@@ -1,6 +1,7 @@
 use glam::{DVec3, Vec3};
 
 use super::*;
+use crate::radiosity::form_factor::point_to_polygon;
 use crate::radiosity::sampling::unit_float;
 
 /// Pseudo-random numbers in 0..1, one after the other.
@@ -17,36 +18,6 @@ impl Dice {
         let r = (1.0 - z * z).sqrt();
         Vec3::new(r * phi.cos(), r * phi.sin(), z)
     }
-}
-
-/// The form factor from a point to a polygon above its horizon, by Lambert's formula.
-fn point_to_polygon(point: DVec3, normal: DVec3, corners: &[DVec3]) -> f64 {
-    let seen: Vec<DVec3> = corners.iter().map(|&c| c - point).collect();
-    let above = clipped(&seen, normal);
-    let edge = |i: usize| {
-        let (a, b) = (above[i], above[(i + 1) % above.len()]);
-        let cross = a.cross(b);
-        let angle = cross.length().atan2(a.dot(b));
-        angle * normal.dot(cross.normalize_or_zero())
-    };
-    let sum: f64 = (0..above.len()).map(edge).sum();
-    sum.abs() / std::f64::consts::TAU
-}
-
-/// What of a polygon is above the horizon.
-fn clipped(corners: &[DVec3], normal: DVec3) -> Vec<DVec3> {
-    let mut above = Vec::new();
-    for (i, &a) in corners.iter().enumerate() {
-        let b = corners[(i + 1) % corners.len()];
-        let (high_a, high_b) = (normal.dot(a), normal.dot(b));
-        if high_a >= 0.0 {
-            above.push(a);
-        }
-        if high_a * high_b < 0.0 {
-            above.push(a + (b - a) * (high_a / (high_a - high_b)));
-        }
-    }
-    above
 }
 
 /// A square of about the form factor `wanted` in a random place over a small one at the origin, and
