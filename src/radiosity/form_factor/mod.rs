@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `method` | the methods to choose from |
 //! | `hit_list` | cosine-distributed rays: the default |
+//! | `hemicube` | pictures of the scene from each element |
 //! | `analytic` | the closed form, times the visible share |
 //! | `area_sampling` | pairs of points |
 //! | `pairs` | what methods share that take one pair of elements after the other |
@@ -19,6 +20,7 @@
 mod analytic;
 mod area_sampling;
 mod gauss;
+mod hemicube;
 mod hit_list;
 mod matrix;
 mod method;
@@ -65,7 +67,9 @@ pub(crate) fn form_factors(
 ) -> Result<(Traced, u64), Cancelled> {
     match view.settings.form_factors {
         FormFactors::HitList => hit_list::trace(view, before, observer),
-        FormFactors::Hemicube { .. } => todo!(),
+        FormFactors::Hemicube { resolution } => {
+            Ok((hemicube::rows(view, resolution, observer)?, 0))
+        }
         FormFactors::Analytic { visibility_rays } => {
             analytic::trace(view, visibility_rays, observer)
         }
