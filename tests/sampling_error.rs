@@ -193,7 +193,8 @@ fn truth(scene: &ValidScene, settings: &BakeSettings) -> [Vec<f64>; 2] {
             sample(scene, &BakeSettings { seed, ..denser })
         })
         .collect();
-    let lists = |of: fn(&Sample) -> &Vec<f64>| bakes.iter().map(|b| of(b).clone()).collect::<Vec<_>>();
+    let lists =
+        |of: fn(&Sample) -> &Vec<f64>| bakes.iter().map(|b| of(b).clone()).collect::<Vec<_>>();
     [mean(&lists(|b| &b.elements)), mean(&lists(|b| &b.vertices))]
 }
 
@@ -250,8 +251,15 @@ fn the_error_told_covers_the_true_one() {
         ratios.sort_by(f64::total_cmp);
         let covered = ratios.iter().filter(|&&r| r >= 1.0).count();
         let median = ratios[ratios.len() / 2];
-        println!("{what}: {covered} of {} covered, told / true {median:.2} in the median", ratios.len());
-        assert!(covered >= 95, "{what}: {covered} of {} covered", ratios.len());
+        println!(
+            "{what}: {covered} of {} covered, told / true {median:.2} in the median",
+            ratios.len()
+        );
+        assert!(
+            covered >= 95,
+            "{what}: {covered} of {} covered",
+            ratios.len()
+        );
         assert!(median < 3.0, "{what}: told / true {median}");
     }
 }

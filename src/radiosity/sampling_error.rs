@@ -2,10 +2,11 @@ use glam::{Vec3, Vec3A};
 
 use super::color::luminance;
 use super::direct::{Sampler, ShadowRays, loose_emission};
-use super::form_factor::{FormFactors, Traced, View, row_again};
+use super::form_factor::{RowByRow, Traced, View};
 use super::observer::{Observer, Stage};
 use super::parallel::{Cancelled, map_chunks, map_ranges};
 use super::sampling::hash;
+use super::settings::BakeSettings;
 use super::solve::Solution;
 
 /// What chance, or a coarse picture, leaves in the light of elements.
@@ -113,9 +114,19 @@ impl Judge<'_> {
     pub(crate) fn run(&self, observer: &dyn Observer) -> Result<(SamplingError, u64), Cancelled> {
         let seen = self.seen();
         let (direct, cost) = self.direct(observer)?;
-        let bounced = match self.view.settings.form_factors {
-            FormFactors::HitList => self.bounced_by_halves(&seen),
-            _ => self.bounced_again(&seen, observer)?,
+        let settings = self.view.settings;
+        let denser = BakeSettings {
+            form_factors: settings.form_factors.denser(),
+            seed: hash(settings.seed, 0xDE45E),
+            ..settings.clone()
+        };
+        let denser = RowByRow::new(View {
+            settings: &denser,
+            ..*self.view
+        });
+        let bounced = match denser {
+            Some(denser) => self.bounced_again(&denser, &seen, observer)?,
+            None => self.bounced_by_halves(&seen),
         };
         Ok((self.error(&direct, &bounced), cost))
     }
@@ -157,16 +168,19 @@ impl Judge<'_> {
     }
 
     /// Errors of light over form factors that are not made of rays.
-    fn bounced_again(&self, seen: &[Vec3A], observer: &dyn Observer) -> Result<Errors, Cancelled> {
+    fn bounced_again(
+        &self,
+        denser: &RowByRow,
+        seen: &[Vec3A],
+        observer: &dyn Observer,
+    ) -> Result<Errors, Cancelled> {
         let sky = self.view.scene.sky;
         let chosen = self.chosen(BOUNCED);
         let parts = map_ranges(chosen.len(), CHUNK, Stage::Error, observer, |range| {
             let mut errors = Errors::default();
             for &e in &chosen[range] {
-                if let Some(row) = row_again(self.view, e) {
-                    let d = self.traced.light(e, seen, sky) - row.light(seen, sky);
-                    self.add(e, d, &mut errors);
-                }
+                let d = self.traced.light(e, seen, sky) - denser.row(e).light(seen, sky);
+                self.add(e, d, &mut errors);
             }
             errors
         })?;

@@ -17,7 +17,7 @@ use super::traced::Traced;
 /// A shadow ray `V_s` weighs as much as the pair of points it connects brings of the form factor:
 /// where elements are near each other, those that face each other closely decide. So the kernel's
 /// poles, which ruin a sum of kernels, cancel here, and what is all visible is exact.
-pub(super) struct Analytic<'a> {
+pub(crate) struct Analytic<'a> {
     view: View<'a>,
     visibility_rays: u32,
     patches: Vec<Patch>,

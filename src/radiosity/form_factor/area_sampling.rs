@@ -16,9 +16,15 @@ use super::traced::Traced;
 ///
 /// Where elements touch, the kernel has a pole and the sum an unbounded variance: some rows come
 /// out far above 1. That is the method's nature, and the report tells of it.
-pub(super) struct AreaSampling<'a> {
+pub(crate) struct AreaSampling<'a> {
     view: View<'a>,
     samples: u32,
+}
+
+impl<'a> AreaSampling<'a> {
+    pub(super) fn new(view: View<'a>, samples: u32) -> Self {
+        Self { view, samples }
+    }
 }
 
 impl Pairwise for AreaSampling<'_> {
@@ -44,6 +50,5 @@ pub(super) fn trace(
     samples: u32,
     observer: &dyn Observer,
 ) -> Result<(Traced, u64), Cancelled> {
-    let view = *view;
-    pairs::matrix(&AreaSampling { view, samples }, observer)
+    pairs::matrix(&AreaSampling::new(*view, samples), observer)
 }

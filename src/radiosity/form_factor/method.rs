@@ -34,6 +34,22 @@ pub enum FormFactors {
 }
 
 impl FormFactors {
+    /// With twice the resolution: four times the pixels, or rays between two elements.
+    pub(crate) const fn denser(self) -> Self {
+        match self {
+            Self::HitList => self,
+            Self::Hemicube { resolution } => Self::Hemicube {
+                resolution: 2 * resolution,
+            },
+            Self::Analytic { visibility_rays } => Self::Analytic {
+                visibility_rays: 4 * visibility_rays,
+            },
+            Self::AreaSampling { samples } => Self::AreaSampling {
+                samples: 4 * samples,
+            },
+        }
+    }
+
     /// A short name for people.
     pub const fn name(self) -> &'static str {
         match self {

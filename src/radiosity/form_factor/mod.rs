@@ -37,6 +37,9 @@ use crate::radiosity::parallel::Cancelled;
 use crate::radiosity::settings::BakeSettings;
 use crate::radiosity::validate::ValidScene;
 
+use analytic::Analytic;
+use area_sampling::AreaSampling;
+use hemicube::Hemicube;
 #[cfg(test)]
 pub(crate) use hit_list::HitList;
 pub(crate) use matrix::{Matrix, Row};
@@ -77,14 +80,36 @@ pub(crate) fn form_factors(
     }
 }
 
-/// The row of one element with twice the resolution and other random numbers; `None` for rays, whose
-/// halves tell their error.
-pub(crate) fn row_again(view: &View, e: usize) -> Option<Row> {
-    let _ = (view, e);
-    match view.settings.form_factors {
-        FormFactors::HitList => None,
-        FormFactors::Hemicube { .. }
-        | FormFactors::Analytic { .. }
-        | FormFactors::AreaSampling { .. } => todo!(),
+/// Rows found one at a time, of the methods that know how to. Rays come in half-sets instead, which
+/// tell as much.
+pub(crate) enum RowByRow<'a> {
+    Hemicube(Box<Hemicube<'a>>),
+    Analytic(Analytic<'a>),
+    AreaSampling(AreaSampling<'a>),
+}
+
+impl<'a> RowByRow<'a> {
+    pub(crate) fn new(view: View<'a>) -> Option<Self> {
+        match view.settings.form_factors {
+            FormFactors::HitList => None,
+            FormFactors::Hemicube { resolution } => {
+                Some(Self::Hemicube(Hemicube::new(view, resolution).into()))
+            }
+            FormFactors::Analytic { visibility_rays } => {
+                Some(Self::Analytic(Analytic::new(view, visibility_rays)))
+            }
+            FormFactors::AreaSampling { samples } => {
+                Some(Self::AreaSampling(AreaSampling::new(view, samples)))
+            }
+        }
+    }
+
+    /// The row of element `e`.
+    pub(crate) fn row(&self, e: usize) -> Row {
+        match self {
+            Self::Hemicube(method) => method.one(e),
+            Self::Analytic(method) => pairs::row(method, e),
+            Self::AreaSampling(method) => pairs::row(method, e),
+        }
     }
 }

@@ -28,7 +28,6 @@ pub(super) fn form_factor(method: &impl Pairwise, i: usize, j: usize) -> f64 {
 }
 
 /// The row of one element as [`matrix`] finds it.
-#[cfg(test)]
 pub(super) fn row(method: &impl Pairwise, e: usize) -> Row {
     let view = method.view();
     let mut weights: Vec<f32> = (0..view.elements.len())

@@ -72,7 +72,7 @@ use raster::Picture;
 use shares::Shares;
 
 /// Draws the scene from elements.
-struct Hemicube<'a> {
+pub(crate) struct Hemicube<'a> {
     view: View<'a>,
     resolution: usize,
     deltas: DeltaFormFactors,
@@ -96,7 +96,7 @@ struct Buffers {
 
 impl<'a> Hemicube<'a> {
     /// `resolution` is the number of pixels along an edge of the top, even.
-    fn new(view: View<'a>, resolution: u32) -> Self {
+    pub(super) fn new(view: View<'a>, resolution: u32) -> Self {
         let casting = |&t: &u32| view.scene.casts(view.scene.triangles[t as usize]);
         let mut order: Vec<u32> = (0..view.scene.triangles.len() as u32)
             .filter(casting)
@@ -112,6 +112,12 @@ impl<'a> Hemicube<'a> {
             #[cfg(test)]
             culled: false,
         }
+    }
+
+    /// The form factors from one element.
+    pub(super) fn one(&self, e: usize) -> Row {
+        let mut rows = self.rows(e..e + 1);
+        rows.pop().map(|r| r.0).unwrap_or_default()
     }
 
     /// The form factors from some elements, and what became of them.
