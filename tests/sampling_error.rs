@@ -32,7 +32,7 @@ fn colored(r: f32, g: f32, b: f32) -> Material {
 
 /// A lamp under the ceiling, two blocks, two coloured walls.
 fn lamp_and_blocks() -> Scene {
-    let mut objects = room(Vec3::ONE, 8, [0, 0, 1, 2, 0, 0]);
+    let mut objects = room(Vec3::ONE, 6, [0, 0, 1, 2, 0, 0]);
     objects.extend(block(
         Vec3::new(0.15, 0.0, 0.5),
         Vec3::new(0.3, 0.6, 0.3),
@@ -82,7 +82,7 @@ fn bright_box() -> Scene {
 
 /// A court under sky and sun.
 fn court() -> Scene {
-    let mut objects = room(Vec3::new(2.0, 1.0, 2.0), 8, [0, 0, 1, 0, 0, 0]);
+    let mut objects = room(Vec3::new(2.0, 1.0, 2.0), 6, [0, 0, 1, 0, 0, 0]);
     objects.remove(1);
     objects.extend(block(
         Vec3::new(0.8, 0.0, 0.9),
@@ -105,17 +105,17 @@ fn court() -> Scene {
 
 /// A luminous ceiling over boxes: emission that form factors find.
 fn luminous_ceiling() -> Scene {
-    let mut objects = room(Vec3::new(1.5, 1.0, 1.0), 7, [0, 1, 0, 0, 0, 0]);
+    let mut objects = room(Vec3::new(1.5, 1.0, 1.0), 6, [0, 1, 0, 0, 0, 0]);
     objects.extend(block(Vec3::new(0.5, 0.0, 0.3), Vec3::splat(0.4), 3, 0));
     scene(objects, vec![grey(0.5, 0.0), grey(0.8, 2.0)])
 }
 
 fn settings(form_factors: FormFactors, element_rays: u32) -> BakeSettings {
     BakeSettings {
-        elements: 700,
+        elements: 400,
         form_factors,
         element_rays,
-        gather_rays: 48,
+        gather_rays: 32,
         samples_per_vertex: 6.0,
         emitter_rays: 8,
         solver_tolerance: 1e-4,
