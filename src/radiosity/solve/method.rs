@@ -1,7 +1,7 @@
 /// How the radiosity system `R = ρ (D + F R)` is solved.
 ///
 /// All give the same light within the tolerance, and all say how far they may be off: the bound of
-/// the [report](super::SolverReport) holds whatever the method. They differ in time.
+/// the [report](crate::radiosity::SolverReport) holds whatever the method. They differ in time.
 ///
 /// | solver | closed box, ρ = 0.6 / 0.95 / 0.99 | open room | made for |
 /// |---|---|---|---|
@@ -49,7 +49,7 @@ pub enum Solver {
     ///
     /// Made for looking on: after a few shots most of the light is where it belongs, and with an
     /// ambient term for the rest the picture has its final brightness from the start, see
-    /// [`Observer::partial`](super::Observer::partial). To the end it takes longer than
+    /// [`Observer::partial`](crate::radiosity::Observer::partial). To the end it takes longer than
     /// Gauss–Seidel, much longer where surfaces are bright. Keeps the matrix a second time, by
     /// columns: twice the memory of a hit list.
     ProgressiveRefinement,
@@ -59,7 +59,7 @@ pub enum Solver {
     /// enough. It needs reciprocity, `A_i F_ij = A_j F_ji`, which form factors found from each side apart have only
     /// nearly: so it solves with the mean of both, an estimate of the light as good as the other
     /// but not the same.
-    /// [`asymmetry`](super::SolverReport::asymmetry) says how far the two are apart. Symmetrising
+    /// [`asymmetry`](crate::radiosity::SolverReport::asymmetry) says how far the two are apart. Symmetrising
     /// costs more than solving, and takes three or four times the memory of a hit list.
     ConjugateGradients,
 }
