@@ -56,11 +56,12 @@ pub enum Solver {
     /// Conjugate gradients (Hestenes and Stiefel 1952) on the symmetrised system.
     ///
     /// As few sweeps as the default, also in a row of rooms, where one factor for all light is not
-    /// enough. It needs reciprocity, `A_i F_ij = A_j F_ji`, which form factors found from each side apart have only
-    /// nearly: so it solves with the mean of both, an estimate of the light as good as the other
-    /// but not the same.
-    /// [`asymmetry`](crate::radiosity::SolverReport::asymmetry) says how far the two are apart. Symmetrising
-    /// costs more than solving, and takes three or four times the memory of a hit list.
+    /// enough. It needs reciprocity, `A_i F_ij = A_j F_ji`, which form factors found from each side
+    /// apart have only nearly: so it solves with the mean of both, an estimate of the light as good
+    /// as the other but not the same.
+    /// [`asymmetry`](crate::radiosity::SolverReport::asymmetry) says how far the two are apart.
+    /// Symmetrising costs more than solving, and takes three or four times the memory of a hit
+    /// list.
     ConjugateGradients,
 }
 
