@@ -149,11 +149,31 @@ fn luminance(v: Vec3) -> f64 {
     f64::from(v.dot(Vec3::new(0.2126, 0.7152, 0.0722)))
 }
 
-/// Light with weights, of elements and of vertices.
+/// Light of elements and of vertices, and what the report tells of their errors.
 struct Sample {
     elements: Vec<f64>,
     vertices: Vec<f64>,
     estimates: [f64; 2],
+}
+
+/// The surface that each element and each vertex stands for.
+fn areas(scene: &Scene, settings: &BakeSettings) -> [Vec<f64>; 2] {
+    let valid = scene.clone().validate().unwrap();
+    let elements = solve_elements(&valid, settings, &()).unwrap().elements;
+    let vertices = scene.objects.iter().flat_map(|object| {
+        let mut areas = vec![0.0; object.positions.len()];
+        for t in &object.triangles {
+            let [a, b, c] = t.map(|v| object.positions[v as usize].as_dvec3());
+            for &v in t {
+                areas[v as usize] += (b - a).cross(c - a).length() / 6.0;
+            }
+        }
+        areas
+    });
+    [
+        elements.iter().map(|e| f64::from(e.area)).collect(),
+        vertices.collect(),
+    ]
 }
 
 fn sample(scene: &ValidScene, settings: &BakeSettings) -> Sample {
@@ -170,12 +190,15 @@ fn sample(scene: &ValidScene, settings: &BakeSettings) -> Sample {
     }
 }
 
-/// RMS of the difference beside the mean. All elements are about of a size, so are all vertices'
-/// shares of the surface.
-fn error(found: &[f64], truth: &[f64]) -> f64 {
-    let square: f64 = found.iter().zip(truth).map(|(a, b)| (a - b).powi(2)).sum();
-    let n = truth.len() as f64;
-    (square / n).sqrt() / (truth.iter().sum::<f64>() / n)
+/// RMS of the difference beside the mean, over the surface.
+fn error(found: &[f64], truth: &[f64], areas: &[f64]) -> f64 {
+    let (mut square, mut light, mut total) = (0.0, 0.0, 0.0);
+    for ((a, b), area) in found.iter().zip(truth).zip(areas) {
+        square += area * (a - b).powi(2);
+        light += area * b;
+        total += area;
+    }
+    (square * total).sqrt() / light
 }
 
 fn mean(lists: &[Vec<f64>]) -> Vec<f64> {
@@ -220,6 +243,7 @@ fn the_error_told_covers_the_true_one() {
     ];
     let mut ratios = [Vec::new(), Vec::new()];
     for (name, scene) in scenes {
+        let areas = areas(&scene, &methods[0]);
         let scene = scene.validate().unwrap();
         for settings in &methods {
             let truth = truth(&scene, settings);
@@ -232,8 +256,8 @@ fn the_error_told_covers_the_true_one() {
                     },
                 );
                 let errors = [
-                    error(&found.elements, &truth[0]),
-                    error(&found.vertices, &truth[1]),
+                    error(&found.elements, &truth[0], &areas[0]),
+                    error(&found.vertices, &truth[1], &areas[1]),
                 ];
                 for k in 0..2 {
                     ratios[k].push(found.estimates[k] / errors[k]);

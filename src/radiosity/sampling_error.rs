@@ -52,7 +52,7 @@ const CHUNK: usize = 4;
 const MANY: usize = 256;
 
 /// A mean of errors that is more than this many times what chance makes of it is no chance.
-const SIGNIFICANT: f64 = 4.0;
+const SIGNIFICANT: f64 = 2.0;
 
 /// What the error is found with.
 pub(crate) struct Judge<'a> {
