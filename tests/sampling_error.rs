@@ -112,7 +112,7 @@ fn luminous_ceiling() -> Scene {
 
 fn settings(form_factors: FormFactors, element_rays: u32) -> BakeSettings {
     BakeSettings {
-        elements: 400,
+        elements: 256,
         form_factors,
         element_rays,
         gather_rays: 32,
@@ -238,8 +238,8 @@ fn the_error_told_covers_the_true_one() {
         settings(FormFactors::HitList, 16),
         settings(FormFactors::HitList, 64),
         settings(FormFactors::Hemicube { resolution: 32 }, 1),
-        settings(FormFactors::Analytic { visibility_rays: 2 }, 1),
-        settings(FormFactors::AreaSampling { samples: 8 }, 1),
+        settings(FormFactors::Analytic { visibility_rays: 1 }, 1),
+        settings(FormFactors::AreaSampling { samples: 4 }, 1),
     ];
     let mut ratios = [Vec::new(), Vec::new()];
     for (name, scene) in scenes {

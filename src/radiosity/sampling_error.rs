@@ -31,7 +31,7 @@ use super::solve::Solution;
 ///   └───────────────────────────────────────────────────────────────┘
 /// ```
 ///
-/// with `e` the error at elements and `v` what of it arrives at vertices.
+/// where to the mean comes what was cut off rows that summed to more than 1; with `e` the error at elements and `v` what of it arrives at vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SamplingError {
     /// Of light arriving at elements: RMS beside the mean.
@@ -128,7 +128,7 @@ impl Judge<'_> {
             Some(denser) => self.bounced_again(&denser, &seen, observer)?,
             None => self.bounced_by_halves(&seen),
         };
-        Ok((self.error(&direct, &bounced), cost))
+        Ok((self.error(&direct, &bounced, &seen), cost))
     }
 
     /// One element of every stretch of the list, at random.
@@ -208,7 +208,7 @@ impl Judge<'_> {
         errors.add(elements.area[e], elements.reflectance[e], d);
     }
 
-    fn error(&self, direct: &Errors, bounced: &Errors) -> SamplingError {
+    fn error(&self, direct: &Errors, bounced: &Errors, seen: &[Vec3A]) -> SamplingError {
         let elements = self.view.elements;
         let lit = elements.iter_area().zip(&self.solution.arriving);
         let light: f64 = lit.map(|(a, &l)| a * f64::from(luminance(l))).sum();
@@ -218,11 +218,27 @@ impl Judge<'_> {
         }
         let [a, b] = [direct, bounced].map(|e| e.moments(elements.len()));
         let [squares, reflected, shift] = std::array::from_fn(|i| a[i] + b[i]);
+        let shift = shift + self.cut_off(seen).powi(2);
         let vertices = self.concentration() * reflected + self.growth().powi(2) * shift;
         SamplingError {
             elements: ((squares + vertices).sqrt() / level) as f32,
             vertices: (vertices.sqrt() / level) as f32,
         }
+    }
+
+    /// Reflected light that was lost where rows were scaled down to 1, mean over elements. Chance makes
+    /// some rows too large and some too small: cut the large ones, and their mean is too small.
+    fn cut_off(&self, seen: &[Vec3A]) -> f64 {
+        let elements = self.view.elements;
+        let mut lost = 0.0;
+        for (e, area) in elements.iter_area().enumerate() {
+            let excess = f64::from(self.traced.excess(e));
+            if excess > 0.0 {
+                let light = self.traced.light(e, seen, Vec3::ZERO) * elements.reflectance[e];
+                lost += area * excess * f64::from(luminance(light));
+            }
+        }
+        lost / elements.iter_area().sum::<f64>().max(f64::MIN_POSITIVE)
     }
 
     /// Mean of `Σ_j F_ij²`, over some elements.

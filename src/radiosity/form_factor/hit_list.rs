@@ -154,6 +154,7 @@ pub(crate) fn trace(
         met: Vec::new(),
         first_met: vec![0],
         per_ray,
+        excess: Vec::new(),
         reaches: Vec::with_capacity(if view.remember { rays } else { 0 }),
     };
     let (mut cost, mut end) = (0, 0);

@@ -102,13 +102,19 @@ pub(super) fn matrix(
         traced_rays += rays;
     }
     let mut report = FormFactorReport::default();
+    let mut excess = Vec::with_capacity(count);
     for row in weights.chunks_mut(count.max(1)) {
         let sum = scale(row);
+        excess.push((sum - 1.0).max(0.0) as f32);
         report.largest_row_sum = report.largest_row_sum.max(sum);
         report.scaled_rows += u64::from(sum > 1.0 + ROUNDING);
     }
     let rows = Matrix::Dense(DenseRows::new(count, weights));
-    Ok((Traced::of_matrix(rows, skies, report), traced_rays))
+    let traced = Traced {
+        excess,
+        ..Traced::of_matrix(rows, skies, report)
+    };
+    Ok((traced, traced_rays))
 }
 
 /// By how much the weights of a row, rounded to `f32`, may sum to more than they did.

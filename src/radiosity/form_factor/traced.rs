@@ -26,6 +26,8 @@ pub(crate) struct Traced {
     pub(super) first_met: Vec<u32>,
     /// One ray's share of a view.
     pub(super) per_ray: f32,
+    /// By how much each row summed to more than 1 before it was scaled to it; empty if none did.
+    pub(super) excess: Vec<f32>,
     /// How far each ray went; empty if nobody will ask.
     pub(super) reaches: Vec<Reach>,
 }
@@ -64,8 +66,14 @@ impl Traced {
             report,
             sky,
             per_ray: 0.0,
+            excess: Vec::new(),
             reaches: Vec::new(),
         }
+    }
+
+    /// What scaling took from a row, beside what it left.
+    pub(crate) fn excess(&self, e: usize) -> f32 {
+        self.excess.get(e).copied().unwrap_or(0.0)
     }
 
     pub(super) fn met_of(&self, e: usize) -> &[Met] {
