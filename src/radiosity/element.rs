@@ -176,6 +176,7 @@ impl Elements {
     }
 
     /// The element that a ray hit; `None` for the black back of a one-sided surface.
+    #[inline]
     pub(crate) fn at(&self, hit: &Hit) -> Option<ElementId> {
         let cells = self.cells[hit.triangle as usize];
         let base = if hit.back { cells.back? } else { cells.front };
@@ -230,6 +231,7 @@ impl Elements {
     }
 
     /// The element of the same surface as a ray's hit would find it.
+    #[inline]
     pub(crate) fn side_at(&self, triangle: u32, uv: [f32; 2], back: bool) -> Option<ElementId> {
         self.at(&Hit {
             triangle,
@@ -439,6 +441,7 @@ impl<'a> Builder<'a> {
 ///   |▼▲\
 ///   +---\ u
 /// ```
+#[inline]
 fn cell_of(uv: [f32; 2], n: u16) -> u32 {
     if n <= 1 {
         return 0;

@@ -96,7 +96,7 @@ pub use baked::{Bake, ObjectLight};
 pub use baker::Baker;
 pub use element_light::{Element, ElementLight};
 pub use estimate::{Estimate, estimate, estimate_counts};
-pub use form_factor::FormFactors;
+pub use form_factor::{FormFactors, point_to_polygon, polygon_to_polygon};
 pub use light::{DirectLight, Light, LightKind};
 pub use observer::{Observer, Stage};
 pub use preview::{Camera, Picture, PreviewSettings, Projection, preview};

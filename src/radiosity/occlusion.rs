@@ -13,7 +13,7 @@ pub(crate) const OFFSET: f32 = 16.0 * HALF_EXTENT * f32::EPSILON;
 
 /// Within this distance behind a back face, a front face is taken instead: two one-sided faces
 /// back to back, or a wall modelled twice, must not show their black side by a rounding.
-const TIE: f32 = 2.0 * OFFSET;
+pub(crate) const TIE: f32 = 2.0 * OFFSET;
 
 /// No triangle to leave out.
 pub(crate) const NO_TRIANGLE: u32 = u32::MAX;
@@ -167,6 +167,11 @@ impl<'a> Occluders<'a> {
         passing
     }
 
+    /// The number by which triangles at one place are chosen among, the lower first.
+    pub(crate) fn name(&self, triangle: u32) -> u32 {
+        self.hierarchy.names[triangle as usize]
+    }
+
     /// Whether light can pass a live triangle in part.
     pub(crate) fn transmits(&self, triangle: u32) -> bool {
         self.hierarchy.transmits[triangle as usize]
@@ -209,7 +214,7 @@ impl<'a> Occluders<'a> {
     }
 
     /// Whether a ray goes through a surface that is there only in part.
-    fn passes(&self, triangle: u32, uv: [f32; 2], seed: u32) -> bool {
+    pub(crate) fn passes(&self, triangle: u32, uv: [f32; 2], seed: u32) -> bool {
         self.hierarchy.transmits[triangle as usize]
             && self.surfaces.alpha(triangle, uv)
                 <= unit_float(hash(seed, self.hierarchy.names[triangle as usize]))

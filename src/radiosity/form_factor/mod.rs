@@ -7,13 +7,26 @@
 //! |---|---|
 //! | `method` | the methods to choose from |
 //! | `hit_list` | cosine-distributed rays: the default |
+//! | `hemicube` | pictures of the scene from each element |
+//! | `analytic` | the closed form, times the visible share |
+//! | `area_sampling` | pairs of points |
+//! | `pairs` | what methods share that take one pair of elements after the other |
+//! | `patch` | an element's shape: which closed form from which distance |
+//! | `polygon` | the closed forms |
+//! | `gauss` | quadrature |
 //! | `matrix` | how rows are kept |
 //! | `traced` | what a method found: rows, sky, emitters met by chance |
 
 mod analytic;
+mod area_sampling;
+mod gauss;
+mod hemicube;
 mod hit_list;
 mod matrix;
 mod method;
+mod pairs;
+mod patch;
+mod polygon;
 mod traced;
 
 use crate::radiosity::element::Elements;
@@ -28,6 +41,7 @@ use crate::radiosity::validate::ValidScene;
 pub(crate) use hit_list::HitList;
 pub(crate) use matrix::Matrix;
 pub use method::FormFactors;
+pub use polygon::{point_to_polygon, polygon_to_polygon};
 pub(crate) use traced::{BLACK, GONE, RowsBefore, SKY, Traced};
 
 /// What elements look at.
@@ -53,8 +67,12 @@ pub(crate) fn form_factors(
 ) -> Result<(Traced, u64), Cancelled> {
     match view.settings.form_factors {
         FormFactors::HitList => hit_list::trace(view, before, observer),
-        FormFactors::Hemicube { .. }
-        | FormFactors::Analytic { .. }
-        | FormFactors::AreaSampling { .. } => todo!(),
+        FormFactors::Hemicube { resolution } => {
+            Ok((hemicube::rows(view, resolution, observer)?, 0))
+        }
+        FormFactors::Analytic { visibility_rays } => {
+            analytic::trace(view, visibility_rays, observer)
+        }
+        FormFactors::AreaSampling { samples } => area_sampling::trace(view, samples, observer),
     }
 }

@@ -51,12 +51,18 @@ pub(crate) struct RowsBefore<'a> {
 impl Traced {
     /// From rows without rays.
     pub(super) fn of_rows(rows: &[Row], report: FormFactorReport) -> Self {
+        let sky = rows.iter().map(|r| r.sky).collect();
+        Self::of_matrix(Matrix::of(rows), sky, report)
+    }
+
+    /// From a matrix and each element's share of sky.
+    pub(super) fn of_matrix(rows: Matrix, sky: Vec<f32>, report: FormFactorReport) -> Self {
         Self {
-            rows: Matrix::of(rows),
-            report,
-            sky: rows.iter().map(|r| r.sky).collect(),
             met: Vec::new(),
             first_met: vec![0; rows.len() + 1],
+            rows,
+            report,
+            sky,
             per_ray: 0.0,
             reaches: Vec::new(),
         }

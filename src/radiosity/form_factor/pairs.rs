@@ -1,0 +1,187 @@
+use glam::Vec3;
+
+use crate::radiosity::element::ElementId;
+use crate::radiosity::observer::{Observer, Stage};
+use crate::radiosity::occlusion::OFFSET;
+use crate::radiosity::parallel::{Cancelled, map_ranges};
+use crate::radiosity::report::FormFactorReport;
+use crate::radiosity::sampling::{cosine_hemisphere, frame, hash, sobol};
+
+use super::View;
+use super::matrix::{DenseRows, Matrix, Row};
+use super::polygon::kernel;
+use super::traced::Traced;
+
+/// A way to find form factors of one pair of elements after the other.
+pub(super) trait Pairwise: Sync {
+    fn view(&self) -> &View<'_>;
+
+    /// What two elements exchange, `A_i F_ij = A_j F_ji` of their whole areas, for `i <= j`, and
+    /// how many shadow rays that took.
+    fn exchange(&self, i: usize, j: usize) -> (f64, u32);
+}
+
+/// The form factor from element `i` to element `j`.
+pub(super) fn form_factor(method: &impl Pairwise, i: usize, j: usize) -> f64 {
+    let (exchange, _) = method.exchange(i.min(j), i.max(j));
+    exchange * weight(method.view(), i, j)
+}
+
+/// The row of one element as [`matrix`] finds it.
+#[cfg(test)]
+pub(super) fn row(method: &impl Pairwise, e: usize) -> Row {
+    let view = method.view();
+    let mut weights: Vec<f32> = (0..view.elements.len())
+        .map(|j| form_factor(method, e, j) as f32)
+        .collect();
+    scale(&mut weights);
+    let entries = weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
+    Row {
+        entries: entries.map(|(j, &w)| (j as u32, w)).collect(),
+        sky: sky(view, e),
+    }
+}
+
+/// What makes an exchange the form factor from `i` to `j`: the area of `i`, and the share of `j`
+/// that is there.
+fn weight(view: &View, i: usize, j: usize) -> f64 {
+    let whole = whole_area(view, i);
+    if whole > 0.0 {
+        f64::from(view.elements.coverage[j]) / whole
+    } else {
+        0.0
+    }
+}
+
+/// The area of an element with the part that lets light pass; 0 if all of it does.
+pub(super) fn whole_area(view: &View, e: usize) -> f64 {
+    let coverage = f64::from(view.elements.coverage[e]);
+    if coverage > 0.0 {
+        f64::from(view.elements.area[e]) / coverage
+    } else {
+        0.0
+    }
+}
+
+/// Rows a thread takes at a time.
+const CHUNK: usize = 4;
+
+/// All form factors: each pair once, the other way by reciprocity.
+///
+/// A row that sums to more than 1 would let light grow. It is scaled to 1, which costs it
+/// reciprocity, and counted.
+pub(super) fn matrix(
+    method: &impl Pairwise,
+    observer: &dyn Observer,
+) -> Result<(Traced, u64), Cancelled> {
+    let view = method.view();
+    let count = view.elements.len();
+    // Row i from the diagonal on.
+    let halves = map_ranges(count, CHUNK, Stage::FormFactors, observer, |range| {
+        let first = range.start;
+        let mut rays = 0;
+        let pairs = range.clone().flat_map(|i| (i..count).map(move |j| (i, j)));
+        let exchanges = pairs.map(|(i, j)| {
+            let (exchange, traced) = method.exchange(i, j);
+            rays += u64::from(traced);
+            exchange as f32
+        });
+        let exchanges: Vec<f32> = exchanges.collect();
+        let sky: Vec<f32> = range.map(|e| sky(view, e)).collect();
+        (first, exchanges, sky, rays)
+    })?;
+    let mut weights = vec![0.0; count * count];
+    let (mut traced_rays, mut skies) = (0, Vec::with_capacity(count));
+    for (first, exchanges, sky, rays) in halves {
+        let pairs = (first..first + sky.len()).flat_map(|i| (i..count).map(move |j| (i, j)));
+        for ((i, j), exchange) in pairs.zip(exchanges) {
+            for (i, j) in [(i, j), (j, i)] {
+                weights[i * count + j] = (f64::from(exchange) * weight(view, i, j)) as f32;
+            }
+        }
+        skies.extend(sky);
+        traced_rays += rays;
+    }
+    let mut report = FormFactorReport::default();
+    for row in weights.chunks_mut(count.max(1)) {
+        let sum = scale(row);
+        report.largest_row_sum = report.largest_row_sum.max(sum);
+        report.scaled_rows += u64::from(sum > 1.0);
+    }
+    let rows = Matrix::Dense(DenseRows::new(count, weights));
+    Ok((Traced::of_matrix(rows, skies, report), traced_rays))
+}
+
+/// Scales a row that sums to more than 1. Returns the sum it had.
+fn scale(row: &mut [f32]) -> f64 {
+    let sum = row.iter().map(|&w| f64::from(w)).sum::<f64>();
+    if sum > 1.0 {
+        row.iter_mut()
+            .for_each(|w| *w = (f64::from(*w) / sum) as f32);
+    }
+    sum
+}
+
+/// The share of an element's view that is sky, by cosine-distributed rays.
+fn sky(view: &View, e: usize) -> f32 {
+    if view.scene.sky == Vec3::ZERO {
+        return 0.0;
+    }
+    let id = ElementId(e as u32);
+    let seed = view.elements.seed(id, view.settings.seed);
+    let misses = (0..view.settings.element_rays).filter(|&i| {
+        let [u, v, s, t] = sobol(i, 0, seed);
+        let point = view.elements.point(view.scene, id, u, v);
+        let direction = frame(point.normal) * cosine_hemisphere(s, t);
+        let origin = point.position + point.normal * OFFSET;
+        let hit = view
+            .occluders
+            .closest(origin, direction, point.triangle, hash(seed, i));
+        hit.is_none()
+    });
+    misses.count() as f32 / view.settings.element_rays as f32
+}
+
+/// Two points, one on each element.
+pub(super) struct Connection {
+    /// `cos cos / π r²`.
+    pub(super) kernel: f64,
+    from: Vec3,
+    to: Vec3,
+    triangles: [u32; 2],
+}
+
+impl View<'_> {
+    /// Pairs of points on elements `i` and `j`, both spread evenly.
+    pub(super) fn connections(&self, i: usize, j: usize) -> impl Iterator<Item = Connection> {
+        let ids = [i, j].map(|e| ElementId(e as u32));
+        let [seed, seed_there] = ids.map(|e| self.elements.seed(e, self.settings.seed));
+        let seed = hash(seed, seed_there);
+        (0..).map(move |s| {
+            let [u, v, u_there, v_there] = sobol(s, 2, seed);
+            let a = self.elements.point(self.scene, ids[0], u, v);
+            let b = self.elements.point(self.scene, ids[1], u_there, v_there);
+            let ray = b.position.as_dvec3() - a.position.as_dvec3();
+            Connection {
+                kernel: kernel(ray, a.normal.as_dvec3(), b.normal.as_dvec3()),
+                from: a.position + a.normal * OFFSET,
+                to: b.position + b.normal * OFFSET,
+                triangles: [a.triangle, b.triangle],
+            }
+        })
+    }
+
+    /// How much light gets from one point to the other.
+    pub(super) fn passing(&self, connection: &Connection) -> f64 {
+        let ray = connection.to - connection.from;
+        let distance = ray.length();
+        let direction = ray / distance.max(f32::MIN_POSITIVE);
+        let passing = self.occluders.transmittance(
+            connection.from,
+            direction,
+            distance,
+            connection.triangles,
+        );
+        passing.into()
+    }
+}
