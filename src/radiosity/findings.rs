@@ -50,6 +50,7 @@ impl Findings<'_> {
             bytes: self.occluder_bytes
                 + self.elements.bytes()
                 + self.traced.rows.bytes()
+                + self.solution.report.bytes
                 + vertices.map_or(0, |v| size_of_val(v.samples) as u64),
             energy,
             form_factors: self.traced.report.clone(),
@@ -108,6 +109,14 @@ impl Findings<'_> {
             ));
         }
         let solver = &self.solution.report;
+        if let Some(given_up) = solver.fell_back {
+            notes.push(format!(
+                "the residual of the solver, {}, grew three sweeps running; {} went on from its best: {}",
+                given_up.name(),
+                solver.solver.name(),
+                given_up.cure()
+            ));
+        }
         if !solver.converged {
             notes.push(format!(
                 "the solver stopped after {} sweeps with an error of at most {:.2e}: raise max_sweeps or the tolerance",

@@ -39,7 +39,7 @@
 //! | `emitter`, `emitter_tree` | emissive surfaces, sampled |
 //! | `illumination`, `direct` | light that arrives without a bounce |
 //! | `form_factor` | rows of `F` as lists of ray hits |
-//! | `solve` | Gauss–Seidel with a mean-field correction |
+//! | `solve`, `partial` | the system solved, by one of several methods; light on its way there |
 //! | `gather`, `gathered`, `fit` | irradiance inside triangles, fitted by vertex values |
 //! | `element_light` | the light of elements, to look at |
 //! | `pipeline`, `stages` | all of it, one stage after the other, each resumed where it can be |
@@ -77,6 +77,7 @@ mod mend;
 mod observer;
 mod occlusion;
 mod parallel;
+mod partial;
 mod pipeline;
 mod preview;
 mod receiver_mesh;
@@ -99,6 +100,7 @@ pub use estimate::{Estimate, estimate, estimate_counts};
 pub use form_factor::{FormFactors, point_to_polygon, polygon_to_polygon};
 pub use light::{DirectLight, Light, LightKind};
 pub use observer::{Observer, Stage};
+pub use partial::PartialLight;
 pub use preview::{Camera, Picture, PreviewSettings, Projection, preview};
 pub use report::{Counts, EnergyBalance, FormFactorReport, Report, SolverReport, Work};
 pub use scene::{

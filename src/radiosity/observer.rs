@@ -1,3 +1,5 @@
+use super::partial::PartialLight;
+
 /// A step of a [`bake`](super::bake), in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
@@ -54,6 +56,13 @@ pub trait Observer: Sync {
     /// `done`, 0..=1, of `stage` is finished. Called at least with 0 and with 1 for each stage.
     fn progress(&self, stage: Stage, done: f32) {
         let _ = (stage, done);
+    }
+
+    /// Light while it is being solved for: at the start, after each sweep, and with
+    /// [progressive refinement](super::Solver::ProgressiveRefinement) after 1, 2, 4, 8… shots and
+    /// then eight times a sweep. The solver waits; looking costs something only if one looks.
+    fn partial(&self, light: &PartialLight) {
+        let _ = light;
     }
 
     /// Asked often (every few milliseconds); `true` ends the bake with

@@ -3,6 +3,7 @@ use std::time::Duration;
 use glam::DVec3;
 
 use super::observer::Stage;
+use super::solve::Solver;
 
 /// What a bake did, what it cost and how good the result is.
 #[derive(Clone, Debug, Default)]
@@ -45,7 +46,7 @@ pub struct Work {
     pub light_rays: u64,
     /// Shadow rays to emissive surfaces and bright elements.
     pub emitter_rays: u64,
-    /// Gauss–Seidel sweeps.
+    /// Sweeps of the solver.
     pub sweeps: u64,
     /// Fits of all vertices: 1 if vertex light was fitted anew.
     pub fits: u64,
@@ -130,13 +131,30 @@ pub struct FormFactorReport {
 /// How the linear system was solved.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolverReport {
-    /// Gauss–Seidel sweeps.
+    /// The solver that gave the result.
+    pub solver: Solver,
+    /// The solver that was asked for, if its residual grew three sweeps running, so that
+    /// [`solver`](Self::solver) went on from its best.
+    pub fell_back: Option<Solver>,
+    /// Sweeps: each element gathered once in each, or shot once on average.
     pub sweeps: u32,
+    /// Elements that shot their light, in progressive refinement: `sweeps` times as many as there
+    /// are elements, or a little less.
+    pub shots: u64,
     /// Whether the tolerance was met.
     pub converged: bool,
     /// Largest `|E + ρFB − B|` of any element and channel, in cd/m².
     pub residual: f64,
+    /// The residual at the start and after each sweep. The result is the best of them, which need
+    /// not be the last.
+    pub residuals: Vec<f64>,
     /// Bound on the error that stopping early leaves in any element: residual / (1 − max(ρ · row sum)),
     /// in cd/m².
     pub error_bound: f64,
+    /// For conjugate gradients, whose residual and bound are those of the symmetrised system: the
+    /// largest residual that the result has in the system as given, relative to the mean light
+    /// reflected. Mostly noise of the form factors; 0 for all others.
+    pub asymmetry: f64,
+    /// Bytes of what the solver made of the matrix: its columns, or the symmetrised one.
+    pub bytes: u64,
 }

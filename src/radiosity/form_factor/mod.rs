@@ -39,7 +39,7 @@ use crate::radiosity::validate::ValidScene;
 
 #[cfg(test)]
 pub(crate) use hit_list::HitList;
-pub(crate) use matrix::Matrix;
+pub(crate) use matrix::{Matrix, Row};
 pub use method::FormFactors;
 pub use polygon::{point_to_polygon, polygon_to_polygon};
 pub(crate) use traced::{BLACK, GONE, RowsBefore, SKY, Traced};

@@ -13,8 +13,9 @@ use crate::radiosity::emitter_tree::EmitterTree;
 use crate::radiosity::form_factor::{GONE, RowsBefore, Traced, View, form_factors};
 use crate::radiosity::observer::Stage;
 use crate::radiosity::occlusion::{Hierarchy, Holds, Occluders};
+use crate::radiosity::partial::PartialLight;
 use crate::radiosity::receiver_mesh::{MeshesBefore, ReceiverMeshes};
-use crate::radiosity::solve::{Solution, System, solve};
+use crate::radiosity::solve::{Solution, System, Watch, solve};
 use crate::radiosity::stages::{Before, Stages};
 use crate::radiosity::surface::{Pyramids, Surfaces};
 use crate::radiosity::validate::ValidScene;
@@ -202,6 +203,7 @@ impl Run<'_> {
         elements: &Elements,
         traced: &Arc<Traced>,
         arrived: &Arc<Vec<Vec3>>,
+        receivers: &ReceiverMeshes,
     ) -> Result<Arc<Solution>, BakeError> {
         let mut warm = None;
         if let Some((old, change)) = self.before() {
@@ -224,7 +226,13 @@ impl Run<'_> {
                 rows: &traced.rows,
                 direct: arrived,
             };
-            let solution = solve(&system, run.settings, warm, || !observer.cancelled())?;
+            let watch = Watch {
+                go_on: &|| !observer.cancelled(),
+                show: &|glimpse| {
+                    observer.partial(&PartialLight::new(run.scene, receivers, glimpse));
+                },
+            };
+            let solution = solve(&system, run.settings, warm, &watch)?;
             run.work.sweeps += u64::from(solution.report.sweeps);
             Ok(solution.into())
         })

@@ -181,7 +181,7 @@ impl<'a> Run<'a> {
         };
         let traced = self.form_factors(&lit)?;
         let (direct, arrived) = self.direct(&lit, &traced)?;
-        let solution = self.solve(&elements, &traced, &arrived)?;
+        let solution = self.solve(&elements, &traced, &arrived, &receivers)?;
         Ok(Solved {
             pyramids,
             elements,
