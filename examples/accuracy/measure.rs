@@ -58,7 +58,10 @@ impl Cost {
 }
 
 /// Solves for the light of elements and says what that took.
-pub(crate) fn solve(scene: &ValidScene, settings: &BakeSettings) -> Result<(ElementLight, Cost), BakeError> {
+pub(crate) fn solve(
+    scene: &ValidScene,
+    settings: &BakeSettings,
+) -> Result<(ElementLight, Cost), BakeError> {
     forget_peak_memory();
     let (start, used) = (Instant::now(), cpu_seconds());
     let light = solve_elements(scene, settings, &())?;

@@ -44,7 +44,13 @@ pub(crate) const FAMILIES: [Family; 4] = [
         name: "analytic",
         knob: "shadow rays a pair",
         budgets: &[1, 2, 4, 8, 16, 32, 64],
-        choose: |visibility_rays| (FormFactors::Analytic { visibility_rays }, 1, Some(LAMP_RAYS)),
+        choose: |visibility_rays| {
+            (
+                FormFactors::Analytic { visibility_rays },
+                1,
+                Some(LAMP_RAYS),
+            )
+        },
         work: f64::from,
         pairwise: true,
     },

@@ -20,10 +20,26 @@ pub(crate) struct Metrics {
 }
 
 impl Metrics {
-    pub(crate) const NAMES: [&str; 7] = ["l2", "rms", "largest", "p95", "p99", "gain", "off_5_percent"];
+    pub(crate) const NAMES: [&str; 7] = [
+        "l2",
+        "rms",
+        "largest",
+        "p95",
+        "p99",
+        "gain",
+        "off_5_percent",
+    ];
 
     pub(crate) fn values(&self) -> [f64; 7] {
-        [self.l2, self.rms, self.largest, self.p95, self.p99, self.gain, self.off]
+        [
+            self.l2,
+            self.rms,
+            self.largest,
+            self.p95,
+            self.p99,
+            self.gain,
+            self.off,
+        ]
     }
 
     /// The median of each figure over several runs.
@@ -83,7 +99,10 @@ fn quantile(ascending: &[(f64, f64)], q: f64) -> f64 {
 pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);
-    values.get(values.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
+    values
+        .get(values.len().saturating_sub(1) / 2)
+        .copied()
+        .unwrap_or(0.0)
 }
 
 /// The points that no other beats in both cost and error, by cost.

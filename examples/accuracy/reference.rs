@@ -1,7 +1,9 @@
 //! What runs are compared with: light known in closed form, or the mean of many long runs and how
 //! far that may be off.
 
-use bevy_fresco::radiosity::{BakeError, BakeSettings, ElementLight, FormFactors, ValidScene};
+use bevy_fresco::radiosity::{
+    BakeError, BakeSettings, Element, ElementLight, FormFactors, ValidScene,
+};
 
 use crate::measure::{luminance, solve};
 use crate::methods::base;
@@ -33,11 +35,19 @@ struct Light {
     direct: f64,
 }
 
-/// A run of analytic form factors against the reference.
+/// The mean of several runs of analytic form factors against the reference.
 #[derive(Clone, Copy)]
 pub(crate) struct Second {
-    pub(crate) visibility_rays: u32,
     pub(crate) difference: Metrics,
+    /// What the standard errors of both lead one to expect of [`Metrics::l2`].
+    pub(crate) expected: f64,
+}
+
+impl Second {
+    /// Whether both say the same as far as their noise lets one tell.
+    pub(crate) fn agrees(&self) -> bool {
+        self.difference.l2 < 2.0 * self.expected
+    }
 }
 
 /// Errors of a run by the way the light took.
@@ -64,9 +74,10 @@ impl Errors {
 /// Below three standard errors of the reference, its own error adds more than 5 % to any other.
 const STANDARD_ERRORS: f64 = 3.0;
 
-/// Elements up to which the second reference, which takes all pairs, is worth its time.
-const SECOND_UP_TO: usize = 1500;
-const SECOND_RAYS: u32 = 64;
+/// Shadow rays between two elements in the second reference, and about how many elements it is
+/// asked on at most: it takes all pairs of them.
+pub(crate) const SECOND_RAYS: u32 = 16;
+const SECOND_UP_TO: u32 = 1000;
 
 impl Reference {
     /// Averages long runs; where the answer is known takes that, and the runs say how near to it
@@ -86,13 +97,7 @@ impl Reference {
             seed: 1000 + run,
             ..base(elements)
         };
-        let mut sums = Sums::default();
-        let mut last = None;
-        for run in 0..runs {
-            let (light, _) = solve(scene, &settings(run))?;
-            sums.add(&lights(&light));
-            last = Some(light);
-        }
+        let (sums, last) = average(scene, runs, settings)?;
         let area = last.as_ref().map_or_else(Vec::new, |light| {
             let area = |e| f64::from(u8::from((subject.counts)(e))) * f64::from(e.area);
             light.elements.iter().map(area).collect()
@@ -133,22 +138,30 @@ impl Reference {
         self.floor = self.compare_lights(&converged).total.l2;
     }
 
-    /// Asks analytic form factors, which share nothing with hit lists but the shadow rays.
-    pub(crate) fn ask_second(&mut self, scene: &ValidScene, elements: u32, judged: Judged) -> Result<(), BakeError> {
-        if self.elements > SECOND_UP_TO || judged != Judged::Bounced {
+    /// Asks analytic form factors, which share nothing with hit lists but the hierarchy.
+    pub(crate) fn ask_second(
+        &mut self,
+        scene: &ValidScene,
+        elements: u32,
+        judged: Judged,
+    ) -> Result<(), BakeError> {
+        if elements > SECOND_UP_TO || judged != Judged::Bounced {
             return Ok(());
         }
-        let settings = BakeSettings {
+        let runs = self.runs.min(4);
+        let settings = |run: u32| BakeSettings {
             form_factors: FormFactors::Analytic {
                 visibility_rays: SECOND_RAYS,
             },
             emitter_rays: self.rays / 2,
+            seed: 2000 + run,
             ..base(elements)
         };
-        let (light, _) = solve(scene, &settings)?;
+        let (sums, _) = average(scene, runs, settings)?;
+        let own = sums.standard_error(&self.area, judged);
         self.second = Some(Second {
-            visibility_rays: SECOND_RAYS,
-            difference: self.errors(&light).bounced,
+            difference: self.compare_lights(&sums.mean()).bounced,
+            expected: own.hypot(self.standard_error),
         });
         Ok(())
     }
@@ -173,8 +186,24 @@ impl Reference {
     }
 }
 
+/// Adds up so many runs; the last one as well, if there was one.
+fn average(
+    scene: &ValidScene,
+    runs: u32,
+    settings: impl Fn(u32) -> BakeSettings,
+) -> Result<(Sums, Option<ElementLight>), BakeError> {
+    let mut sums = Sums::default();
+    let mut last = None;
+    for run in 0..runs {
+        let (light, _) = solve(scene, &settings(run))?;
+        sums.add(&lights(&light));
+        last = Some(light);
+    }
+    Ok((sums, last))
+}
+
 fn lights(light: &ElementLight) -> Vec<Light> {
-    let of = |e: &bevy_fresco::radiosity::Element| Light {
+    let of = |e: &Element| Light {
         bounced: luminance(e.irradiance - e.direct),
         direct: luminance(e.direct),
     };

@@ -45,7 +45,12 @@ impl Judged {
 
 const USUAL: [u32; 2] = [1000, 4000];
 
-const fn subject(id: &'static str, name: &'static str, about: &'static str, build: fn(u32) -> Scene) -> Subject {
+const fn subject(
+    id: &'static str,
+    name: &'static str,
+    about: &'static str,
+    build: fn(u32) -> Scene,
+) -> Subject {
     Subject {
         id,
         name,
@@ -59,29 +64,74 @@ const fn subject(id: &'static str, name: &'static str, about: &'static str, buil
 }
 
 pub(crate) const SUBJECTS: [Subject; 9] = [
-    subject("S1", "unit cube", "nothing in between; the ceiling glows, ρ 0.5", |_| unit_cube(0.5)),
+    subject(
+        "S1",
+        "unit cube",
+        "nothing in between; the ceiling glows, ρ 0.5",
+        |_| unit_cube(0.5),
+    ),
     Subject {
         judged: Judged::AllInASphere,
         counts: |_| true,
-        ..subject("S2", "integrating sphere", "every face emits and reflects by chance; the answer is exact", rooms::integrating_sphere)
+        ..subject(
+            "S2",
+            "integrating sphere",
+            "every face emits and reflects by chance; the answer is exact",
+            rooms::integrating_sphere,
+        )
     },
     Subject {
         sizes: &[250, 1000, 4000, 16_000],
         compares_lamps: true,
-        ..subject("S3", "Cornell box", "two blocks, as measured at Cornell", cornell::with_blocks)
+        ..subject(
+            "S3",
+            "Cornell box",
+            "two blocks, as measured at Cornell",
+            cornell::with_blocks,
+        )
     },
-    subject("S4", "empty Cornell box", "the same without its blocks", cornell::empty),
+    subject(
+        "S4",
+        "empty Cornell box",
+        "the same without its blocks",
+        cornell::empty,
+    ),
     Subject {
         counts: |element| element.emission.max_element() == 0.0 && rooms::in_room_b(element.center),
-        ..subject("S5", "two rooms and a slit", "ρ 0.8, the lamp is in the other room", rooms::two_rooms)
+        ..subject(
+            "S5",
+            "two rooms and a slit",
+            "ρ 0.8, the lamp is in the other room",
+            rooms::two_rooms,
+        )
     },
-    subject("S6", "bright closed room", "ρ 0.95 and a column: light bounces twenty times", |_| bright_room(0.95)),
+    subject(
+        "S6",
+        "bright closed room",
+        "ρ 0.95 and a column: light bounces twenty times",
+        |_| bright_room(0.95),
+    ),
     Subject {
         compares_lamps: true,
-        ..subject("S7", "hall of 64 small lamps", "lamps of 2 cm in 10 m", rooms::hall)
+        ..subject(
+            "S7",
+            "hall of 64 small lamps",
+            "lamps of 2 cm in 10 m",
+            rooms::hall,
+        )
     },
-    subject("S8", "clutter", "eleven thousand triangles in a room", rooms::clutter),
-    subject("S9", "louvres", "slats twenty times as deep as the gaps between", rooms::louvres),
+    subject(
+        "S8",
+        "clutter",
+        "eleven thousand triangles in a room",
+        rooms::clutter,
+    ),
+    subject(
+        "S9",
+        "louvres",
+        "slats twenty times as deep as the gaps between",
+        rooms::louvres,
+    ),
 ];
 
 #[cfg(test)]

@@ -2,8 +2,8 @@ use bevy_fresco::radiosity::Scene;
 use glam::{Vec3, vec3};
 
 use super::shapes::{
-    Builder, Look, bumpy_sphere, column, geodesic_sphere, grey, join, lamp, rect, room, square_lamp,
-    torus, whole_room,
+    Builder, Look, bumpy_sphere, column, geodesic_sphere, grey, join, lamp, rect, room,
+    square_lamp, torus, whole_room,
 };
 
 /// A cube of 1 m of one reflectance whose ceiling glows.
@@ -110,7 +110,11 @@ pub(super) fn hall(_: u32) -> Scene {
     let columns = [[2.5, 2.5], [7.0, 2.5], [2.5, 7.0], [7.0, 7.0]]
         .map(|[x, z]| column(vec3(x, 0.0, z), vec3(x + 0.5, 4.0, z + 0.5)));
     Builder::default()
-        .with("hall", whole_room(Vec3::ZERO, vec3(10.0, 4.0, 10.0)), grey(0.6))
+        .with(
+            "hall",
+            whole_room(Vec3::ZERO, vec3(10.0, 4.0, 10.0)),
+            grey(0.6),
+        )
         .with("columns", join(columns), grey(0.6))
         .with("lamps", join(lamps), lamp(5000.0))
         .finish()
@@ -119,16 +123,35 @@ pub(super) fn hall(_: u32) -> Scene {
 /// Rings and lumps of some eleven thousand triangles in a room.
 pub(super) fn clutter(_: u32) -> Scene {
     let rings = [
-        torus(vec3(1.3, 1.0, 1.4), vec3(0.0, 1.0, 0.0), [0.7, 0.25], [64, 24]),
-        torus(vec3(2.6, 1.6, 2.6), vec3(0.6, 0.8, 0.0), [0.8, 0.2], [64, 24]),
-        torus(vec3(1.2, 2.2, 2.9), vec3(0.0, 0.6, 0.8), [0.5, 0.2], [64, 24]),
+        torus(
+            vec3(1.3, 1.0, 1.4),
+            vec3(0.0, 1.0, 0.0),
+            [0.7, 0.25],
+            [64, 24],
+        ),
+        torus(
+            vec3(2.6, 1.6, 2.6),
+            vec3(0.6, 0.8, 0.0),
+            [0.8, 0.2],
+            [64, 24],
+        ),
+        torus(
+            vec3(1.2, 2.2, 2.9),
+            vec3(0.0, 0.6, 0.8),
+            [0.5, 0.2],
+            [64, 24],
+        ),
     ];
     let lumps = [
         bumpy_sphere(vec3(2.9, 0.7, 1.2), 0.6, 7),
         bumpy_sphere(vec3(1.0, 0.6, 3.0), 0.5, 7),
     ];
     Builder::default()
-        .with("room", whole_room(Vec3::ZERO, vec3(4.0, 3.5, 4.0)), grey(0.7))
+        .with(
+            "room",
+            whole_room(Vec3::ZERO, vec3(4.0, 3.5, 4.0)),
+            grey(0.7),
+        )
         .with("rings", join(rings), grey(0.5))
         .with("lumps", join(lumps), grey(0.6))
         .with("lamp", square_lamp(vec3(2.0, 3.48, 2.0), 0.8), lamp(10.0))

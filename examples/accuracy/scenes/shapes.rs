@@ -131,11 +131,22 @@ pub(super) fn join(shapes: impl IntoIterator<Item = Shape>) -> Shape {
 /// sphere. Triangles of one face follow each other.
 pub(super) fn geodesic_sphere(cuts: u32) -> Shape {
     let golden = (1.0 + 5.0_f32.sqrt()) / 2.0;
-    let around = |a: f32, b: f32| [Vec3::new(0.0, a, b), Vec3::new(b, 0.0, a), Vec3::new(a, b, 0.0)];
-    let corners: Vec<Vec3> = [(1.0, golden), (1.0, -golden), (-1.0, golden), (-1.0, -golden)]
-        .into_iter()
-        .flat_map(|(a, b)| around(a, b))
-        .collect();
+    let around = |a: f32, b: f32| {
+        [
+            Vec3::new(0.0, a, b),
+            Vec3::new(b, 0.0, a),
+            Vec3::new(a, b, 0.0),
+        ]
+    };
+    let corners: Vec<Vec3> = [
+        (1.0, golden),
+        (1.0, -golden),
+        (-1.0, golden),
+        (-1.0, -golden),
+    ]
+    .into_iter()
+    .flat_map(|(a, b)| around(a, b))
+    .collect();
     let mut sphere = Shape::default();
     for (i, &a) in corners.iter().enumerate() {
         for (j, &b) in corners.iter().enumerate().skip(i + 1) {
@@ -185,7 +196,12 @@ pub(super) fn bumpy_sphere(center: Vec3, radius: f32, cuts: u32) -> Shape {
 }
 
 /// A ring around `axis` in `around × across` quads.
-pub(super) fn torus(center: Vec3, axis: Vec3, radii: [f32; 2], [around, across]: [u32; 2]) -> Shape {
+pub(super) fn torus(
+    center: Vec3,
+    axis: Vec3,
+    radii: [f32; 2],
+    [around, across]: [u32; 2],
+) -> Shape {
     let (u, v) = axis.any_orthonormal_pair();
     let mut ring = Shape::default();
     for i in 0..around {
