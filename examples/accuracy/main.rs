@@ -1,0 +1,120 @@
+//! Speed against accuracy of all methods, in charts: `cargo accuracy`.
+//!
+//! | file | |
+//! |---|---|
+//! | `plan` | how much is measured |
+//! | `scenes` | what is lit |
+//! | `methods` | what is swept |
+//! | `measure` | a run and what it took |
+//! | `reference` | what runs are compared with |
+//! | `metrics` | how far they are off |
+//! | `sweep` | every method with every budget on one scene |
+//! | `studies` | solvers, numbers of elements, vertices |
+//! | `results` | all that was measured, and who won |
+//! | `csv`, `charts`, `chart`, `svg`, `markdown`, `reading`, `text` | how it is told |
+
+#![expect(clippy::print_stderr, reason = "a program that says how far it is")]
+
+mod chart;
+mod charts;
+mod csv;
+mod markdown;
+mod measure;
+mod methods;
+mod metrics;
+mod plan;
+mod reading;
+mod reference;
+mod results;
+mod scenes;
+mod studies;
+mod svg;
+mod sweep;
+mod text;
+
+use std::error::Error;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use plan::Plan;
+use reference::Reference;
+use results::Results;
+use scenes::SUBJECTS;
+
+fn main() -> ExitCode {
+    let plan = match Plan::read(std::env::args().skip(1)) {
+        Ok(plan) => plan,
+        Err(why) => {
+            eprintln!("{why}");
+            return ExitCode::FAILURE;
+        }
+    };
+    match measure(&plan).and_then(|results| write(&results, &plan.out)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            eprintln!("{why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn measure(plan: &Plan) -> Result<Results, Box<dyn Error>> {
+    let start = Instant::now();
+    let say = |what: &str| eprintln!("{:4.0} s  {what}", start.elapsed().as_secs_f64());
+    let mut results = Results {
+        quick: plan.quick,
+        ..Results::default()
+    };
+    for subject in SUBJECTS.iter().filter(|s| plan.wants(s.id)) {
+        for size in plan.sizes(subject.sizes) {
+            say(&format!(
+                "{} {}, about {size} elements",
+                subject.id, subject.name
+            ));
+            let scene = (subject.build)(size).validate()?;
+            let mut reference = Reference::find(subject, &scene, size, plan)?;
+            reference.ask_second(&scene, size, subject.judged)?;
+            results
+                .points
+                .extend(sweep::sweep(subject, &scene, size, &reference, plan)?);
+            results.references.push(reference);
+        }
+    }
+    if plan.wants("solvers") {
+        say("solvers");
+        results.solved = studies::solvers(plan)?;
+    }
+    if plan.wants("elements") {
+        say("elements");
+        results.refined = studies::elements(plan)?;
+    }
+    if plan.wants("vertices") {
+        say("vertices");
+        results.at_vertices = studies::vertices(plan)?;
+    }
+    say("measured");
+    Ok(results)
+}
+
+/// Charts and tables into a folder, the report beside it.
+fn write(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
+    std::fs::create_dir_all(folder)?;
+    std::fs::write(folder.join("accuracy.csv"), csv::accuracy(results))?;
+    std::fs::write(folder.join("solvers.csv"), csv::solvers(&results.solved))?;
+    std::fs::write(folder.join("elements.csv"), csv::elements(&results.refined))?;
+    for (name, chart) in charts::all(results) {
+        std::fs::write(folder.join(name), chart.draw())?;
+    }
+    let name = folder
+        .file_name()
+        .map_or_else(|| ".".into(), |n| n.to_string_lossy());
+    let report = markdown::report(results, &name);
+    std::fs::write(folder.with_extension("md"), report)?;
+    eprintln!(
+        "written to {} and {}",
+        folder.display(),
+        folder.with_extension("md").display()
+    );
+    Ok(())
+}
