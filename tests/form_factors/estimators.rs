@@ -247,3 +247,13 @@ fn turned_triangles_agree_with_rays() {
         }
     }
 }
+
+/// Fine meshes have elements of dozens of triangles, which others stand in for.
+#[test]
+fn elements_of_many_triangles() {
+    let objects = vec![inward_sphere(24, 0), inside_out(inward_sphere(24, 0), 0.5)];
+    let scene = scene(objects, vec![grey(0.5, 1.0)]);
+    let found = by_each_method(&scene, 150);
+    // Elements 40° wide: stand-ins overlap in part and leave gaps between.
+    assert_near("fine spheres", found, 0.25, [2e-3, 0.03, 0.03]);
+}

@@ -4,7 +4,7 @@ use crate::radiosity::element::{ElementId, Elements};
 use crate::radiosity::sampling::{frame, sobol};
 use crate::radiosity::validate::{HALF_EXTENT, ValidScene};
 
-use super::polygon::{QUICK, area_vector, exchange, kernel, lambert};
+use super::polygon::{QUICK, area_vector, clip, exchange, kernel, lambert};
 
 /// An element as flat triangles, and what it looks like from afar.
 pub(super) struct Patch {
@@ -45,6 +45,9 @@ const NEAR: f64 = 2.5;
 /// Lower than this over a plane, in internal units, is in it: four times the rounding of a corner.
 const FLAT: f64 = 4.0 * (HALF_EXTENT * f32::EPSILON) as f64;
 
+/// From so many radii of the larger, both are [`FEW`] points.
+const FEW_BY_FEW: f64 = 6.0;
+
 /// Points of a rule for triangles of equal weights, exact for polynomials of degree 2 (Hammer and
 /// Stroud 1956), in barycentrics.
 const FEW: [[f64; 3]; 3] = [
@@ -78,9 +81,12 @@ impl Patch {
     /// | distance | |
     /// |---|---|
     /// | very far | both are points |
-    /// | far | the smaller is a point, Lambert's formula for the larger |
-    /// | mid | the smaller is a few points |
-    /// | near, touching, reaching behind each other | the contour integral |
+    /// | far | both are a few points |
+    /// | far for the smaller | it is a point, Lambert's formula for the larger |
+    /// | mid | the smaller is a few points, Lambert's formula for the larger |
+    /// | near, touching | the contour integral: points would be wrong by any amount |
+    ///
+    /// Of a triangle that reaches behind the other only the part before it has points.
     pub(super) fn exchange(&self, other: &Self) -> f64 {
         let (small, large) = by_size(self, other, |patch| &patch.whole);
         let several = large.faces.len() > 1;
@@ -180,16 +186,50 @@ impl Face {
         let (small, large) = by_size(self, other, |face| &face.extent);
         let distance = small.extent.center.distance(large.extent.center);
         let apart = (distance - large.extent.radius) / small.extent.radius;
-        if apart < NEAR || !large.sees_all_of(small) {
+        if apart < NEAR {
             // Degenerate triangles may have no number.
             exchange(&small.corners, &large.corners, &QUICK).max(0.0)
-        } else if distance > POINTS * large.extent.radius && small.sees_all_of(large) {
-            small.extent.as_points(&large.extent)
+        } else if !large.sees_all_of(small) {
+            small.part_before(large)
+        } else if distance > FEW_BY_FEW * large.extent.radius && small.sees_all_of(large) {
+            if distance > POINTS * large.extent.radius {
+                small.extent.as_points(&large.extent)
+            } else {
+                small.few_by_few(large)
+            }
         } else if apart > CENTER {
             small.extent.as_point(large)
         } else {
-            small.as_few_points(large)
+            as_few_points(small.corners, small.extent.vector, large)
         }
+    }
+
+    /// `A F` by a few points on both.
+    fn few_by_few(&self, other: &Self) -> f64 {
+        let there = few_points(other.corners);
+        let from = |p: DVec3| {
+            let each = there.map(|q| kernel(q - p, self.extent.vector, other.extent.vector));
+            each.into_iter().sum::<f64>()
+        };
+        few_points(self.corners).map(from).into_iter().sum::<f64>() / (FEW.len() * FEW.len()) as f64
+    }
+
+    /// `A F` by a few points on that part of a triangle that the other sees.
+    fn part_before(&self, other: &Self) -> f64 {
+        let (mut sum, mut first, mut last) = (0.0, None, None);
+        clip(
+            &self.corners,
+            |p| other.height(p),
+            |p| {
+                if let Some((a, b)) = first.zip(last).filter(|(a, b)| a != b) {
+                    let part = [a, b, p];
+                    sum += as_few_points(part, area_vector(&part), other);
+                }
+                first = first.or(Some(p));
+                last = Some(p);
+            },
+        );
+        sum
     }
 
     fn sees_all_of(&self, other: &Self) -> bool {
@@ -199,14 +239,16 @@ impl Face {
     fn height(&self, point: DVec3) -> f64 {
         (point - self.corners[0]).dot(self.unit)
     }
+}
 
-    fn as_few_points(&self, other: &Self) -> f64 {
-        let [a, b, c] = self.corners;
-        let at = |[u, v, w]: [f64; 3]| {
-            lambert(a * u + b * v + c * w, self.extent.vector, &other.corners).max(0.0)
-        };
-        FEW.map(at).into_iter().sum::<f64>() / FEW.len() as f64
-    }
+/// `A F` from a triangle of the area vector `vector`.
+fn as_few_points(corners: [DVec3; 3], vector: DVec3, to: &Face) -> f64 {
+    let from = |p: DVec3| lambert(p, vector, &to.corners).max(0.0);
+    few_points(corners).map(from).into_iter().sum::<f64>() / FEW.len() as f64
+}
+
+fn few_points([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
+    FEW.map(|[u, v, w]| a * u + b * v + c * w)
 }
 
 impl Extent {
@@ -292,11 +334,16 @@ mod tests {
             let contour = worst(ratio, off(1.0), |a, b| {
                 exchange(&a.corners, &b.corners, &QUICK)
             });
-            let few = worst(ratio, off(NEAR), Face::as_few_points);
+            let few = worst(ratio, off(NEAR), |a, b| {
+                as_few_points(a.corners, a.extent.vector, b)
+            });
             let center = worst(ratio, off(CENTER), |a, b| a.extent.as_point(b));
             let far = |_: &Face, large: &Face| POINTS * large.extent.radius;
             let points = worst(ratio, far, |a, b| a.extent.as_points(&b.extent));
-            println!("ratio {ratio}: {contour:.1e} {few:.1e} {center:.1e} {points:.1e}");
+            let radii = |_: &Face, large: &Face| FEW_BY_FEW * large.extent.radius;
+            let few_by_few = worst(ratio, radii, Face::few_by_few);
+            println!("{ratio}: {contour:.1e} {few:.1e} {few_by_few:.1e} {center:.1e} {points:.1e}");
+            assert!(few_by_few < 5e-4);
             assert!(contour < 1e-4);
             assert!(few < 5e-4);
             assert!(center < 5e-4);
