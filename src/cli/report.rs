@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use super::args::BakeArgs;
 use super::bake::Made;
 use super::outputs::Outputs;
-use crate::radiosity::{BakeSettings, Counts, DirectLight, FormFactors, Report};
+use crate::radiosity::{BakeSettings, Counts, DirectLight, FormFactors, Report, Solver};
 
 /// The report as JSON. `docs/file_formats.md` documents the keys; they stay as they are.
 pub(super) fn report_json(args: &BakeArgs, outputs: &Outputs, made: &Made) -> String {
@@ -115,6 +115,11 @@ fn counts(counts: &Counts) -> Value {
 
 fn solver(report: &Report) -> Value {
     json!({
+        "solver": report.solver.solver.name(),
+        "fell_back_from": report.solver.fell_back.map(Solver::name),
+        "shots": report.solver.shots,
+        "residuals": report.solver.residuals,
+        "asymmetry": report.solver.asymmetry,
         "sweeps": report.solver.sweeps,
         "converged": report.solver.converged,
         "residual": report.solver.residual,

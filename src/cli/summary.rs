@@ -80,7 +80,12 @@ fn quality(text: &mut String, made: &Made) {
             counted(counts.samples, "sample")
         ),
     );
-    row(text, "elements", &count(counts.elements));
+    let method = made.settings.form_factors.name();
+    row(
+        text,
+        "elements",
+        &format!("{}, form factors by {method}", count(counts.elements)),
+    );
     row(
         text,
         "rays",
@@ -106,9 +111,10 @@ fn quality(text: &mut String, made: &Made) {
         text,
         "solver error",
         &format!(
-            "at most {} cd/m² after {}",
+            "at most {} cd/m² after {} of {}",
             short(solver.error_bound),
             counted(solver.sweeps.into(), "sweep"),
+            solver.solver.name(),
         ),
     );
     row(
