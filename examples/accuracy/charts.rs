@@ -75,15 +75,20 @@ fn labelled(points: Vec<((f64, f64), u32)>) -> Vec<Dot> {
     points.into_iter().enumerate().map(dot).collect()
 }
 
+const FINE: &str = "2 5";
+const COARSE: &str = "9 5";
+
 fn monte_carlo() -> Vec<Guide> {
     vec![
         Guide {
             slope: -0.5,
             name: "slope −1/2: chance",
+            dashes: FINE,
         },
         Guide {
             slope: -0.75,
             name: "slope −3/4: stratified",
+            dashes: COARSE,
         },
     ]
 }
@@ -105,7 +110,7 @@ fn methods(results: &Results, (subject, size, elements): (&Subject, u32, usize))
         let at = points.map(|(p, m)| ((m.cost.bounces(), p.error(&m.errors)), p.budget));
         styled(
             i,
-            &format!("{}: {}", family.name, family.knob),
+            &format!("{} ({})", family.name, family.knob),
             labelled(at.collect()),
         )
     });
@@ -170,7 +175,7 @@ fn memory(results: &Results, (subject, size, elements): (&Subject, u32, usize)) 
             let at = points.map(|(p, m)| ((m.cost.bytes, p.error(&m.errors)), p.budget));
             styled(
                 i,
-                &format!("{}: {}", family.name, family.knob),
+                &format!("{} ({})", family.name, family.knob),
                 labelled(at.collect()),
             )
         });
@@ -251,10 +256,12 @@ fn elements(results: &Results) -> Chart {
             Guide {
                 slope: -0.5,
                 name: "slope −1/2: first order",
+                dashes: FINE,
             },
             Guide {
                 slope: -1.0,
                 name: "slope −1: second order",
+                dashes: COARSE,
             },
         ],
         floor: None,
