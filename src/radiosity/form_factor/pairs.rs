@@ -106,11 +106,14 @@ pub(super) fn matrix(
     for row in weights.chunks_mut(count.max(1)) {
         let sum = scale(row);
         report.largest_row_sum = report.largest_row_sum.max(sum);
-        report.scaled_rows += u64::from(sum > 1.0);
+        report.scaled_rows += u64::from(sum > 1.0 + ROUNDING);
     }
     let rows = Matrix::Dense(DenseRows::new(count, weights));
     Ok((Traced::of_matrix(rows, skies, report), traced_rays))
 }
+
+/// By how much the weights of a row, rounded to `f32`, may sum to more than they did.
+const ROUNDING: f64 = 1e-6;
 
 /// Scales a row that sums to more than 1. Returns the sum it had.
 fn scale(row: &mut [f32]) -> f64 {
@@ -157,8 +160,9 @@ impl View<'_> {
         let ids = [i, j].map(|e| ElementId(e as u32));
         let [seed, seed_there] = ids.map(|e| self.elements.seed(e, self.settings.seed));
         let seed = hash(seed, seed_there);
+        // The first four dimensions: of higher ones, few points fill no square of two evenly.
         (0..).map(move |s| {
-            let [u, v, u_there, v_there] = sobol(s, 2, seed);
+            let [u, v, u_there, v_there] = sobol(s, 0, seed);
             let a = self.elements.point(self.scene, ids[0], u, v);
             let b = self.elements.point(self.scene, ids[1], u_there, v_there);
             let ray = b.position.as_dvec3() - a.position.as_dvec3();
