@@ -132,10 +132,11 @@ impl Eye {
         })
     }
 
-    /// Where the hemicube stands.
+    /// Where the hemicube stands, and its axes.
     #[cfg(test)]
-    pub(super) fn place(&self) -> (Vec3, Vec3) {
-        (self.position, self.axes.z_axis)
+    pub(super) fn place(&self) -> (Vec3, [Vec3; 3]) {
+        let axes = self.axes;
+        (self.position, [axes.x_axis, axes.y_axis, axes.z_axis])
     }
 }
 

@@ -3,7 +3,7 @@ use crate::radiosity::element::{ElementId, Elements};
 use crate::radiosity::form_factor::View;
 use crate::radiosity::form_factor::analytic::Analytic;
 use crate::radiosity::form_factor::matrix::Row;
-use crate::radiosity::occlusion::{NO_TRIANGLE, OFFSET, TIE};
+use crate::radiosity::occlusion::{OFFSET, TIE};
 use crate::radiosity::validate::ValidScene;
 use glam::Vec3;
 
@@ -56,10 +56,11 @@ impl<'a> NearPairs<'a> {
     /// Puts the closed form of near pairs in place of what the hemicube found.
     pub(super) fn mend(&self, e: usize, row: &mut Row) -> Mended {
         let mut near = Vec::new();
-        let around = self.bounds[e];
-        // Its own size away: as far as its corners are from each other.
-        let reach = around.low.distance(around.high);
-        self.tree.within(&around, reach, &self.bounds, &mut near);
+        let View { elements, .. } = self.view;
+        // The edge of a square of the element's whole area.
+        let size = (elements.area[e] / elements.coverage[e].max(f32::MIN_POSITIVE)).sqrt();
+        self.tree
+            .within(&self.bounds[e], size, &self.bounds, &mut near);
         near.retain(|&j| self.face_each_other(e as u32, j));
         if near.is_empty() {
             return Mended::default();
@@ -94,7 +95,7 @@ impl<'a> NearPairs<'a> {
         } = &self.view;
         let point = elements.point(scene, ElementId(j), 0.5, 0.5);
         let from = point.position + point.normal * TIE;
-        let other = occluders.closest(from, -point.normal, point.triangle, NO_TRIANGLE);
+        let other = occluders.closest(from, -point.normal, point.triangle, 0);
         other.is_some_and(|hit| {
             let name = |t: u32| (occluders.name(t), t);
             hit.distance < 2.0 * TIE

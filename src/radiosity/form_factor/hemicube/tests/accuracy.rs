@@ -56,7 +56,7 @@ fn square(scene: &Scene, resolution: u32, seed: u32) -> (f64, f64) {
             .entries
             .iter()
             .filter(|e| of_square.contains(&(e.0 as usize)));
-        let (position, normal) = Eye::new(&view, ElementId(0)).place();
+        let (position, [_, _, normal]) = Eye::new(&view, ElementId(0)).place();
         let positions = &view.scene.objects[1].positions;
         let corners: Vec<DVec3> = positions.iter().map(|p| p.as_dvec3()).collect();
         let exact = point_to_polygon(position.as_dvec3(), normal.as_dvec3(), &corners);

@@ -48,7 +48,7 @@ pub(super) fn cornell() -> Vec<Object> {
 /// What rays from the point of a hemicube find: the shares of objects, of the sky and of black.
 fn rays(view: &View, e: usize, count: u32) -> Vec<f64> {
     let element = ElementId(e as u32);
-    let (origin, normal) = Eye::new(view, element).place();
+    let (origin, [_, _, normal]) = Eye::new(view, element).place();
     let own = view
         .elements
         .shape(view.scene, element)
@@ -110,6 +110,40 @@ fn agrees_with_rays(scene: &Scene, elements: u32, tolerance: f64) {
             }
         }
     });
+}
+
+/// Each pixel shows the element that a ray through its centre meets.
+#[test]
+fn pixels_show_what_rays_through_them_meet() {
+    let resolution = 32;
+    for elements in [200, 3000, 60_000] {
+        look(&scene(cornell()), &settings(elements, 0), |view| {
+            let cube = Hemicube::new(view, resolution as u32);
+            let (mut buffers, mut weights) = (cube.buffers(), vec![0.0; resolution]);
+            for e in (0..view.elements.len()).step_by(view.elements.len() / 40) {
+                let row = cube.point_row(e, &mut buffers);
+                let mut off = vec![0.0; view.elements.len()];
+                row.entries.iter().for_each(|&(j, f)| off[j as usize] = f);
+                let (origin, axes) = Eye::new(&view, ElementId(e as u32)).place();
+                for face in &FACES {
+                    let rays = face.linear(face.turned(&axes), resolution);
+                    for y in 0..face.rows(resolution) {
+                        cube.deltas.row(face, y, &mut weights);
+                        for (x, &weight) in weights.iter().enumerate() {
+                            let ray = (rays.at_row(y) + rays.column * x as f32).normalize();
+                            let hit = view.occluders.closest(origin, ray, u32::MAX, 0);
+                            if let Some(j) = hit.and_then(|hit| view.elements.at(&hit)) {
+                                off[j.0 as usize] -= weight;
+                            }
+                        }
+                    }
+                }
+                // A pixel whose centre is on an edge may belong to either side.
+                let wrong = 0.5 * off.iter().map(|f| f.abs()).sum::<f32>();
+                assert!(wrong < 2e-3, "{elements} elements, row {e}: {wrong}");
+            }
+        });
+    }
 }
 
 #[test]
