@@ -170,6 +170,24 @@ fn all_solvers_agree_with_elimination_within_their_bounds() {
     }
 }
 
+#[test]
+fn light_does_not_depend_on_the_number_of_threads() {
+    let scene = open_room();
+    for solver in SOLVERS {
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let settings = settings(solver, 3000);
+            let light = pool
+                .unwrap()
+                .install(|| solve_elements(&scene, &settings, &()));
+            light.unwrap()
+        };
+        let (one, three) = (on(1), on(3));
+        assert_eq!(one.elements, three.elements, "{solver:?}");
+        assert_eq!(one.report.solver, three.report.solver);
+    }
+}
+
 /// Sweeps until the error is below 1e-4, by bisection over `max_sweeps`.
 fn sweeps_to_four_digits(scene: &ValidScene, solver: Solver, most: u32) -> u32 {
     let after = |sweeps: u32| {

@@ -145,8 +145,8 @@ pub struct SolverReport {
     pub converged: bool,
     /// Largest `|E + ρFB − B|` of any element and channel, in cd/m².
     pub residual: f64,
-    /// The residual at the start and after each sweep. The result is the best of them, which need
-    /// not be the last.
+    /// The residual at the start and after each sweep, of progressive refinement also after a sweep
+    /// that was cut short. The result is the best of them, which need not be the last.
     pub residuals: Vec<f64>,
     /// Bound on the error that stopping early leaves in any element: residual / (1 − max(ρ · row sum)),
     /// in cd/m².

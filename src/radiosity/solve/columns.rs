@@ -107,3 +107,56 @@ fn each_pair(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::enclosure::ALONE;
+    use super::*;
+    use crate::radiosity::form_factor::{HitList, Row};
+    use crate::radiosity::sampling::hash;
+
+    /// `F_ij` for `each` of rows and `each` of columns.
+    fn both(rows: &Matrix) -> [Vec<Vec<f32>>; 2] {
+        let columns = Columns::new(rows, &ALONE).unwrap();
+        let n = rows.len();
+        let (mut by_row, mut by_column) = (vec![vec![0.0; n]; n], vec![vec![0.0; n]; n]);
+        for (e, row) in by_row.iter_mut().enumerate() {
+            rows.each(e, |j, w| row[j as usize] += w);
+            let mut seen = Vec::new();
+            columns.each(e, |i, w| {
+                by_column[i][e] += w;
+                seen.push(i);
+            });
+            assert!(
+                seen.is_sorted_by(|a, b| a < b),
+                "each at most once: {seen:?}"
+            );
+        }
+        [by_row, by_column]
+    }
+
+    #[test]
+    fn columns_hold_the_entries_of_rows() {
+        let n = 40;
+        for rays in [3, 200] {
+            let hit = |e: u32, i: u32| Some(hash(e, i) % n).filter(|id| !id.is_multiple_of(7));
+            let row = |e: u32| (0..rays).map(|i| hit(e, i)).collect();
+            let ids: Vec<Vec<Option<u32>>> = (0..n).map(row).collect();
+            let hits = Matrix::Hits(HitList::from_rows(&ids));
+            let dense = matches!(Columns::new(&hits, &ALONE).unwrap(), Columns::Dense { .. });
+            assert_eq!(dense, rays == 200);
+            let [by_row, by_column] = both(&hits);
+            assert_eq!(by_row, by_column);
+            let weighted = |row: &Vec<f32>| Row {
+                entries: (0..n)
+                    .zip(row.iter().copied())
+                    .filter(|e| e.1 > 0.0)
+                    .collect(),
+                sky: 0.0,
+            };
+            let rows: Vec<Row> = by_row.iter().map(weighted).collect();
+            assert_eq!(both(&Matrix::of(&rows)), [by_row, by_column]);
+        }
+        assert_eq!(both(&Matrix::of(&[])), [Vec::<Vec<f32>>::new(), Vec::new()]);
+    }
+}

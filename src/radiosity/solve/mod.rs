@@ -25,6 +25,8 @@
 mod columns;
 mod conjugate_gradients;
 mod drive;
+#[cfg(test)]
+mod enclosure;
 mod glimpse;
 mod largest;
 mod method;
