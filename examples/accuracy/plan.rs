@@ -32,7 +32,7 @@ impl Plan {
             only: None,
             out: "docs/accuracy".into(),
             runs: if quick { 3 } else { 5 },
-            limit: if quick { 0.2 } else { 0.6 },
+            limit: if quick { 0.2 } else { 0.8 },
             reference_rays: if quick { 1024 } else { 4096 },
         }
     }

@@ -123,7 +123,7 @@ fn portrait(results: &Results, races: &[Race], standing: &Standing) -> String {
     let verdict = match (standing.first, largest) {
         (0, _) | (_, None) => "first nowhere".into(),
         (n, Some(largest)) => format!(
-            "first in {n} of {}, none of them on more than about {} elements",
+            "first in {n} of {}, on up to about {} elements",
             races.len(),
             count(u64::from(largest))
         ),
