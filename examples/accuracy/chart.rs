@@ -42,6 +42,17 @@ pub(crate) struct Dot {
 pub(crate) struct Guide {
     pub(crate) slope: f64,
     pub(crate) name: &'static str,
+    pub(crate) dashes: &'static str,
+}
+
+impl Guide {
+    fn stroke(&self) -> Stroke<'_> {
+        Stroke {
+            color: "#666666",
+            width: 1.3,
+            dashes: self.dashes,
+        }
+    }
 }
 
 /// Colours that most people tell apart (Okabe and Ito 2008), each with a marker.
@@ -55,7 +66,7 @@ pub(crate) const STYLES: [(&str, Marker); 7] = [
     ("#8A6D00", Marker::Plus),
 ];
 
-const SIZE: [f64; 2] = [980.0, 580.0];
+const SIZE: [f64; 2] = [1000.0, 580.0];
 /// Left, top, right and bottom edge of the plot.
 const PLOT: [f64; 4] = [92.0, 74.0, 730.0, 512.0];
 const INK: &str = "#222222";
@@ -66,11 +77,6 @@ const FRONT: Stroke = Stroke {
     dashes: "",
 };
 const FLOOR: &str = "#eeeeee";
-const GUIDE: Stroke = Stroke {
-    color: "#777777",
-    width: 1.2,
-    dashes: "3 5",
-};
 const TEXT: f64 = 14.0;
 
 /// Where values lie on the page.
@@ -189,18 +195,16 @@ impl Chart {
         );
     }
 
-    /// Each guide passes above the middle of the plot's left edge, one a little below the other.
+    /// Guides start at the upper left, one a little below the other.
     fn draw_guides(&self, svg: &mut Svg, scale: &Scale) {
         let ([x0, x1], [y0, y1]) = (scale.x, scale.y);
         for (i, guide) in self.guides.iter().enumerate() {
             let start = y0 + (y1 - y0) * (0.97 - 0.06 * i as f64);
-            // From the upper left until it leaves on the right or below.
+            // Until it leaves on the right or below.
             let length = (x1 - x0).min((y0 - start) / guide.slope);
             let end = (x0 + length, start + guide.slope * length);
             let points = [(x0, start), end].map(|(x, y)| scale.at((x.exp(), y.exp())));
-            svg.line(&points, GUIDE);
-            let text = [points[1][0] - 4.0, points[1][1] - 8.0];
-            svg.text(text, 12.0, Anchor::End, GUIDE.color, guide.name);
+            svg.line(&points, guide.stroke());
         }
     }
 
@@ -266,6 +270,11 @@ impl Chart {
                 INK,
                 "Pareto front",
             );
+            y += 26.0;
+        }
+        for guide in &self.guides {
+            svg.line(&[[x, y], [x + 30.0, y]], guide.stroke());
+            svg.text([x + 40.0, y + 5.0], TEXT, Anchor::Start, INK, guide.name);
             y += 26.0;
         }
         if self.floor.is_some() {

@@ -75,15 +75,20 @@ fn labelled(points: Vec<((f64, f64), u32)>) -> Vec<Dot> {
     points.into_iter().enumerate().map(dot).collect()
 }
 
+const FINE: &str = "2 5";
+const COARSE: &str = "9 5";
+
 fn monte_carlo() -> Vec<Guide> {
     vec![
         Guide {
             slope: -0.5,
             name: "slope −1/2: chance",
+            dashes: FINE,
         },
         Guide {
             slope: -0.75,
             name: "slope −3/4: stratified",
+            dashes: COARSE,
         },
     ]
 }
@@ -105,7 +110,7 @@ fn methods(results: &Results, (subject, size, elements): (&Subject, u32, usize))
         let at = points.map(|(p, m)| ((m.cost.bounces(), p.error(&m.errors)), p.budget));
         styled(
             i,
-            &format!("{}: {}", family.name, family.knob),
+            &format!("{} ({})", family.name, family.knob),
             labelled(at.collect()),
         )
     });
@@ -148,7 +153,7 @@ fn lamps(results: &Results, (subject, size, elements): (&Subject, u32, usize)) -
             subject.name,
             count(elements as u64)
         ),
-        subtitle: "lamps sampled, and lamps left to form factors".into(),
+        subtitle: "Lamps sampled, and lamps left to form factors".into(),
         x: axis(
             "time for direct light, form factors and solving (wall clock)",
             seconds,
@@ -170,7 +175,7 @@ fn memory(results: &Results, (subject, size, elements): (&Subject, u32, usize)) 
             let at = points.map(|(p, m)| ((m.cost.bytes, p.error(&m.errors)), p.budget));
             styled(
                 i,
-                &format!("{}: {}", family.name, family.knob),
+                &format!("{} ({})", family.name, family.knob),
                 labelled(at.collect()),
             )
         });
@@ -185,7 +190,7 @@ fn memory(results: &Results, (subject, size, elements): (&Subject, u32, usize)) 
             subject.name,
             count(elements as u64)
         ),
-        subtitle: "hit lists grow with their rays, rows of pairs do not".into(),
+        subtitle: "Hit lists grow with their rays, rows of pairs do not".into(),
         x: axis("bytes of form factors, elements and hierarchy", bytes),
         y: axis("error of bounced light (relative L2)", percent),
         front: front(&series, floor),
@@ -211,7 +216,7 @@ fn solvers(results: &Results) -> Chart {
     let ticks = REFLECTANCES.iter().map(|&r| (darkness(r), r.to_string()));
     Chart {
         title: "Solvers: sweeps to an error below 1e-4".into(),
-        subtitle: "closed room with a column; runs that did not come there are left out".into(),
+        subtitle: "Closed room with a column; runs that did not come there are left out".into(),
         x: Axis {
             ticks: ticks.collect(),
             ..axis(
@@ -241,7 +246,7 @@ fn elements(results: &Results) -> Chart {
         });
     Chart {
         title: "More elements: S1 unit cube against the continuum".into(),
-        subtitle: "mean radiosity of faces; light of vertices at centres, edges and a corner"
+        subtitle: "Mean radiosity of faces; light of vertices at centres, edges and a corner"
             .into(),
         x: axis("elements", |v| count(v as u64)),
         y: axis("relative error (root mean square)", percent),
@@ -251,10 +256,12 @@ fn elements(results: &Results) -> Chart {
             Guide {
                 slope: -0.5,
                 name: "slope −1/2: first order",
+                dashes: FINE,
             },
             Guide {
                 slope: -1.0,
                 name: "slope −1: second order",
+                dashes: COARSE,
             },
         ],
         floor: None,

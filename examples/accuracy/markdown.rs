@@ -258,7 +258,7 @@ fn vertex_chapter(results: &Results) -> String {
     let header = strings(&["method", "knob", "error at vertices", "whole bake"]);
     format!(
         "Light at vertices is gathered by rays from the light of elements, whatever the method. Here \
-         it is the Cornell box at {} vertices, about 1,000 elements and 256 gathering rays a sample, \
+         it is the Cornell box at {} vertices, about 1,000 elements and 128 gathering rays a sample, \
          against a long bake on 4,000 elements:\n\n{}",
         count(one.vertices as u64),
         table(&header, rows)

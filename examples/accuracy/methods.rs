@@ -34,7 +34,7 @@ pub(crate) const FAMILIES: [Family; 4] = [
     },
     Family {
         name: "hemicube",
-        knob: "pixels an edge",
+        knob: "pixels",
         budgets: &PIXELS,
         choose: |resolution| (FormFactors::Hemicube { resolution }, 1, Some(LAMP_RAYS)),
         work: |resolution| f64::from(resolution).powi(2),
@@ -42,7 +42,7 @@ pub(crate) const FAMILIES: [Family; 4] = [
     },
     Family {
         name: "analytic",
-        knob: "shadow rays a pair",
+        knob: "rays a pair",
         budgets: &[1, 2, 4, 8, 16, 32, 64],
         choose: |visibility_rays| {
             (
@@ -56,7 +56,7 @@ pub(crate) const FAMILIES: [Family; 4] = [
     },
     Family {
         name: "area sampling",
-        knob: "samples a pair",
+        knob: "rays a pair",
         budgets: &[1, 4, 16, 64, 256],
         choose: |samples| (FormFactors::AreaSampling { samples }, 1, Some(LAMP_RAYS)),
         work: f64::from,

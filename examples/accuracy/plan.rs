@@ -32,7 +32,7 @@ impl Plan {
             only: None,
             out: "docs/accuracy".into(),
             runs: if quick { 3 } else { 5 },
-            limit: if quick { 0.3 } else { 1.0 },
+            limit: if quick { 0.2 } else { 0.8 },
             reference_rays: if quick { 1024 } else { 4096 },
         }
     }
@@ -72,10 +72,10 @@ impl Plan {
         all.iter().copied().filter(move |&n| n <= largest)
     }
 
-    /// Runs of a reference: the same work for all sizes, four at least.
+    /// Runs of a reference: fewer where elements are many, for their rays are.
     pub(crate) fn reference_runs(&self, elements: u32) -> u32 {
-        let most = if self.quick { 3 } else { 16 };
-        (16_000 / elements.max(1)).clamp(3, most)
+        let most = if self.quick { 2 } else { 12 };
+        (24_000 / elements.max(1)).clamp(3.min(most), most)
     }
 }
 

@@ -56,22 +56,27 @@ fn standings_table(standings: &[Standing]) -> String {
 
 /// What to take if one does not want to choose.
 fn best(standings: &[Standing], races: usize) -> String {
-    let arrived = standings.iter().max_by_key(|s| (s.arrived, s.first));
-    let first = standings.iter().max_by_key(|s| (s.first, s.arrived));
-    let (Some(arrived), Some(first)) = (arrived, first) else {
+    let Some(best) = standings.iter().max_by_key(|s| (s.first, s.arrived)) else {
         return String::new();
     };
     let mut text = format!(
-        "**If you do not want to choose, take the {}**: it came to the goal in {} of {races} races, \
-         and where it was not the fastest it took at worst {} as long as the one that was.",
-        arrived.family.name,
-        arrived.arrived,
-        times(arrived.worst)
+        "**If you do not want to choose, take the {} method**: it was first in {} of {races} races \
+         and came to the goal in {}.",
+        best.family.name, best.first, best.arrived
     );
-    if first.family.name != arrived.family.name {
+    if best.worst > 1.0 {
         text += &format!(
-            " Most races, {} of {races}, were won by the {} method.",
-            first.first, first.family.name
+            " Where another was faster it took at worst {} as long.",
+            times(best.worst)
+        );
+    }
+    let others = standings.iter().filter(|s| s.arrived > best.arrived);
+    for other in others {
+        text += &format!(
+            " The {} method came to the goal in {}, at a median of {} the time of the first.",
+            other.family.name,
+            other.arrived,
+            times(other.usual)
         );
     }
     text + "\n"
@@ -118,7 +123,7 @@ fn portrait(results: &Results, races: &[Race], standing: &Standing) -> String {
     let verdict = match (standing.first, largest) {
         (0, _) | (_, None) => "first nowhere".into(),
         (n, Some(largest)) => format!(
-            "first in {n} of {}, none of them on more than about {} elements",
+            "first in {n} of {}, on up to about {} elements",
             races.len(),
             count(u64::from(largest))
         ),

@@ -74,10 +74,10 @@ impl Errors {
 /// Below three standard errors of the reference, its own error adds more than 5 % to any other.
 const STANDARD_ERRORS: f64 = 3.0;
 
-/// Shadow rays between two elements in the second reference, and about how many elements it is
-/// asked on at most: it takes all pairs of them.
+/// Shadow rays between two elements in the second reference, and how many elements it is asked
+/// on at most: it takes all pairs of them.
 pub(crate) const SECOND_RAYS: u32 = 16;
-const SECOND_UP_TO: u32 = 1000;
+const SECOND_UP_TO: usize = 1500;
 
 impl Reference {
     /// Averages long runs; where the answer is known takes that, and the runs say how near to it
@@ -145,7 +145,7 @@ impl Reference {
         elements: u32,
         judged: Judged,
     ) -> Result<(), BakeError> {
-        if elements > SECOND_UP_TO || judged != Judged::Bounced {
+        if self.elements > SECOND_UP_TO || judged != Judged::Bounced {
             return Ok(());
         }
         let runs = self.runs.min(4);

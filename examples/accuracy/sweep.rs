@@ -75,14 +75,15 @@ pub(crate) fn sweep(
         if family.pairwise && size > 4000 {
             continue;
         }
-        let mut pace: Option<f64> = None;
+        let mut known: Vec<(f64, Cost)> = Vec::new();
         for &budget in plan.some(family.budgets) {
-            let expected = pace.map_or(0.0, |pace| pace * (family.work)(budget));
+            let work = (family.work)(budget);
+            let expected = expected(&known, work);
             let outcome = if expected > plan.limit {
                 Outcome::TooSlow(expected)
             } else {
                 let measured = measure(subject, scene, size, (family, budget), reference, plan)?;
-                pace = Some(measured.cost.wall / (family.work)(budget));
+                known.push((work, measured.cost));
                 Outcome::Measured(Box::new(measured))
             };
             points.push(Point {
@@ -96,6 +97,22 @@ pub(crate) fn sweep(
         }
     }
     Ok(points)
+}
+
+/// Seconds of a run with more work than the runs before: what they show of the power by which time
+/// grows goes on, and where one run shows nothing yet, it is the root.
+fn expected(known: &[(f64, Cost)], work: f64) -> f64 {
+    let Some(&(done, last)) = known.last() else {
+        return 0.0;
+    };
+    let power = match known {
+        [.., (less, before), _] => {
+            let grown = (last.bounces() / before.bounces()).ln() / (done / less).ln();
+            grown.clamp(0.0, 1.0)
+        }
+        _ => 0.5,
+    };
+    last.wall + last.bounces() * ((work / done).powf(power) - 1.0)
 }
 
 /// Runs a method several times, once only if that takes longer than it may.
@@ -132,4 +149,24 @@ fn measure(
         bound: of(|r| r.solver.error_bound),
         settings,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_goes_on_as_it_grew() {
+        let cost = |form_factors: f64| Cost {
+            wall: form_factors + 1.0,
+            form_factors,
+            ..Cost::default()
+        };
+        assert_eq!(expected(&[], 16.0), 0.0);
+        assert!((expected(&[(1.0, cost(3.0))], 16.0) - 13.0).abs() < 1e-9);
+        let linear = [(1.0, cost(3.0)), (2.0, cost(6.0))];
+        assert!((expected(&linear, 4.0) - 13.0).abs() < 1e-9);
+        let constant = [(1.0, cost(3.0)), (4.0, cost(3.0))];
+        assert!((expected(&constant, 16.0) - 4.0).abs() < 1e-9);
+    }
 }

@@ -67,7 +67,7 @@ pub(crate) const SUBJECTS: [Subject; 9] = [
     subject(
         "S1",
         "unit cube",
-        "nothing in between; the ceiling glows, ρ 0.5",
+        "Nothing in between; the ceiling glows, ρ 0.5",
         |_| unit_cube(0.5),
     ),
     Subject {
@@ -76,7 +76,7 @@ pub(crate) const SUBJECTS: [Subject; 9] = [
         ..subject(
             "S2",
             "integrating sphere",
-            "every face emits and reflects by chance; the answer is exact",
+            "Every face emits and reflects by chance; the answer is exact",
             rooms::integrating_sphere,
         )
     },
@@ -86,14 +86,14 @@ pub(crate) const SUBJECTS: [Subject; 9] = [
         ..subject(
             "S3",
             "Cornell box",
-            "two blocks, as measured at Cornell",
+            "Two blocks, as measured at Cornell",
             cornell::with_blocks,
         )
     },
     subject(
         "S4",
         "empty Cornell box",
-        "the same without its blocks",
+        "The same without its blocks",
         cornell::empty,
     ),
     Subject {
@@ -101,7 +101,7 @@ pub(crate) const SUBJECTS: [Subject; 9] = [
         ..subject(
             "S5",
             "two rooms and a slit",
-            "ρ 0.8, the lamp is in the other room",
+            "Light has to pass the slit: ρ 0.8, the lamp is in the other room",
             rooms::two_rooms,
         )
     },
@@ -116,20 +116,20 @@ pub(crate) const SUBJECTS: [Subject; 9] = [
         ..subject(
             "S7",
             "hall of 64 small lamps",
-            "lamps of 2 cm in 10 m",
+            "Lamps of 2 cm in 10 m",
             rooms::hall,
         )
     },
     subject(
         "S8",
         "clutter",
-        "eleven thousand triangles in a room",
+        "Eleven thousand triangles in a room",
         rooms::clutter,
     ),
     subject(
         "S9",
         "louvres",
-        "slats twenty times as deep as the gaps between",
+        "Slats twenty times as deep as the gaps between",
         rooms::louvres,
     ),
 ];
