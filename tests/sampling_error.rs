@@ -5,23 +5,11 @@
 mod common;
 
 use bevy_fresco::radiosity::{
-    Bake, BakeSettings, ElementLight, FormFactors, Light, LightKind, Material, Object, Scene,
-    ValidScene, bake, solve_elements,
+    Bake, BakeSettings, ElementLight, FormFactors, Light, LightKind, Material, Scene, ValidScene,
+    bake, solve_elements,
 };
-use common::{grey, quad, room, scene};
+use common::{block, grey, quad, room, scene};
 use glam::{Vec3, Vec4};
-
-/// Five faces of a block that stands on the floor.
-fn block(low: Vec3, size: Vec3, n: u32, material: u32) -> Vec<Object> {
-    let (x, y, z) = (Vec3::X * size.x, Vec3::Y * size.y, Vec3::Z * size.z);
-    vec![
-        quad("top", low + y, z, x, n, material),
-        quad("left", low, z, y, n, material),
-        quad("right", low + x, y, z, n, material),
-        quad("front", low, y, x, n, material),
-        quad("back", low + z, x, y, n, material),
-    ]
-}
 
 fn colored(r: f32, g: f32, b: f32) -> Material {
     Material {

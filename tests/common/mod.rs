@@ -55,6 +55,18 @@ pub(crate) fn room(size: Vec3, n: u32, materials: [u32; 6]) -> Vec<Object> {
     ]
 }
 
+/// Five faces of a block that stands on the floor, its lowest corner at `low`.
+pub(crate) fn block(low: Vec3, size: Vec3, n: u32, material: u32) -> Vec<Object> {
+    let (x, y, z) = (Vec3::X * size.x, Vec3::Y * size.y, Vec3::Z * size.z);
+    vec![
+        quad("top", low + y, z, x, n, material),
+        quad("left", low, z, y, n, material),
+        quad("right", low + x, y, z, n, material),
+        quad("front", low, y, x, n, material),
+        quad("back", low + z, x, y, n, material),
+    ]
+}
+
 /// The unit sphere seen from inside: an octahedron's faces cut into `n²`, moved onto the sphere.
 pub(crate) fn inward_sphere(n: u32, material: u32) -> Object {
     let mut object = Object {

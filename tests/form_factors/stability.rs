@@ -1,11 +1,11 @@
 //! Where form factors go wrong if they do.
 
 use bevy_fresco::radiosity::{
-    BakeSettings, ElementLight, FormFactors, Object, Scene, point_to_polygon, polygon_to_polygon,
+    BakeSettings, ElementLight, FormFactors, Scene, point_to_polygon, polygon_to_polygon,
 };
 use glam::{DVec2, DVec3, Quat, Vec3};
 
-use crate::common::{grey, quad, room, scene};
+use crate::common::{block, grey, quad, room, scene};
 use crate::meshes::solved;
 use crate::truth::form_factors;
 
@@ -183,27 +183,17 @@ fn what_is_no_polygon_exchanges_nothing() {
     );
 }
 
-/// A box of five sides on a floor.
-fn block(corner: Vec3, size: Vec3) -> Vec<Object> {
-    let (x, y, z) = (Vec3::X * size.x, Vec3::Y * size.y, Vec3::Z * size.z);
-    let sides = [
-        [y, z, x],
-        [Vec3::ZERO, z, y],
-        [x, y, z],
-        [Vec3::ZERO, y, x],
-        [z, x, y],
-    ];
-    sides
-        .map(|[a, u, v]| quad("block", corner + a, u, v, 1, 0))
-        .into()
-}
-
 /// A closed room, and two boxes in it or none.
 fn closed_room(boxes: bool) -> Scene {
     let mut objects = room(Vec3::ONE, 1, [0, 1, 0, 0, 0, 0]);
     if boxes {
-        objects.extend(block(Vec3::new(0.15, 0.0, 0.2), Vec3::new(0.3, 0.6, 0.3)));
-        objects.extend(block(Vec3::new(0.55, 0.0, 0.5), Vec3::new(0.3, 0.3, 0.3)));
+        objects.extend(block(
+            Vec3::new(0.15, 0.0, 0.2),
+            Vec3::new(0.3, 0.6, 0.3),
+            1,
+            0,
+        ));
+        objects.extend(block(Vec3::new(0.55, 0.0, 0.5), Vec3::splat(0.3), 1, 0));
     }
     scene(objects, vec![grey(0.7, 0.0), grey(0.7, 1.0)])
 }
