@@ -45,3 +45,33 @@ pub(crate) fn differences(a: &[f32], b: &[f32]) -> (f64, f64) {
     let largest = each().fold(0.0, f64::max);
     ((square / b.len() as f64).sqrt() / mean, largest / mean)
 }
+
+/// Least and most light that arrives at some elements.
+pub(crate) fn range<'a>(elements: impl Iterator<Item = &'a Element>) -> (f32, f32) {
+    elements.fold((f32::INFINITY, 0.0), |(low, high), e| {
+        (low.min(e.irradiance.x), high.max(e.irradiance.x))
+    })
+}
+
+/// The light of an object's vertices, one channel.
+pub(crate) fn lights(bake: &Bake, object: usize) -> Vec<f32> {
+    bake.objects[object].light.iter().map(|l| l.x).collect()
+}
+
+/// Shares of rays, summed over all elements: of those that met no element, and of those that met
+/// the object they started from.
+pub(crate) fn astray(light: &ElementLight) -> (f64, f64) {
+    let (mut lost, mut own) = (0.0, 0.0);
+    for (i, e) in light.elements.iter().enumerate() {
+        lost += 1.0 - light.row_sum(i);
+        let entries = light.row(i).into_iter().zip(&light.elements);
+        own += entries.map(|(f, to)| f * f64::from(u8::from(to.object == e.object))).sum::<f64>();
+    }
+    (lost, own)
+}
+
+/// How far the radiosity of an element is from 1 at most, in a scene where it is 1 everywhere.
+pub(crate) fn furthest_from_one(light: &ElementLight) -> f64 {
+    let errors = light.elements.iter().map(|e| apart(e.radiosity.x.into(), 1.0));
+    errors.fold(0.0, f64::max)
+}
