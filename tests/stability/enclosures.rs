@@ -101,11 +101,9 @@ fn open_plates() {
         assert!(apart(arrived, share) < 2e-3, "{arrived}, {share}");
         let energy = &light.report.energy;
         assert!(energy.relative_error() < 1e-3, "{energy:?}");
-        // What is reflected meets the other plate by the same share, and the rest escapes.
-        let escaped = energy.escaped.x / (energy.escaped.x + energy.absorbed.x);
-        let reflected = energy.absorbed.x;
-        let truth = reflected * (1.0 - factor);
-        assert!(apart(energy.escaped.x, truth) < 5e-3, "{escaped}: {energy:?}");
+        // As much is reflected as is absorbed, and the other plate misses 1 − F of it.
+        let truth = energy.absorbed.x * (1.0 - factor);
+        assert!(apart(energy.escaped.x, truth) < 5e-3, "{energy:?}");
     }
 }
 
@@ -167,16 +165,14 @@ fn sides_of_a_sheet() {
     let two = solved(sheet(true), &BakeSettings::DRAFT);
     let count = of_object(&one, 0).count();
     assert_eq!(of_object(&two, 0).count(), 2 * count);
-    let side = |y: f32| of_object(&two, 0).filter(move |e| e.normal.y == y);
-    // cos θ of the lower sun is 1/√5, and the floor hides it from nothing: it is smaller, and it
-    // lies to the side.
+    let side = |y: f32| of_object(&two, 0).filter(move |e| e.normal.y * y > 0.0);
     let near = |(low, high): (f32, f32), truth: f32| low > 0.999 * truth && high < 1.001 * truth;
     assert!(near(range(of_object(&one, 0)), 3.0));
     assert!(near(range(side(1.0)), 3.0));
-    assert!(near((range(side(-1.0)).1, range(side(-1.0)).1), 0.2_f32.sqrt()));
+    // The lower sun comes in under the floor, by a cosine of 1/√5.
+    assert!(near(range(side(-1.0)), 0.2_f32.sqrt()));
     for light in [&one, &two] {
-        assert!(of_object(light, 0).all(|e| e.normal.y == 1.0 || e.irradiance.x <= 0.45));
-        assert_eq!(range(of_object(light, 1)), (0.0, 0.0), "below the sheet");
+        assert_eq!(mean(of_object(light, 1), |e| e.irradiance.x), 0.0);
     }
 }
 
@@ -191,7 +187,7 @@ fn two_sides_alike() {
     objects.push(quad("sheet", Vec3::new(0.2, 0.5, 0.2), Vec3::Z * 0.6, Vec3::X * 0.6, 4, 2));
     let s = scene(objects, vec![grey(0.5, 0.0), grey(0.5, 1.0), paper]);
     let light = solved(s, &BakeSettings::BALANCED);
-    let side = |y: f32| of_object(&light, 6).filter(move |e| e.normal.y == y);
+    let side = |y: f32| of_object(&light, 6).filter(move |e| e.normal.y * y > 0.0);
     let [front, back] = [1.0, -1.0].map(|y| mean(side(y), |e| e.irradiance.x));
     assert!(apart(front, back) < 0.01, "{front}, {back}");
 }

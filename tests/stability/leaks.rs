@@ -1,10 +1,12 @@
 //! Surfaces inside others, and light behind walls.
 
+use std::collections::BTreeMap;
+
 use bevy_fresco::radiosity::{BakeSettings, Object, Scene};
 use glam::Vec3;
 
-use crate::common::{grey, quad, room, scene, values};
-use crate::solved::{apart, baked, of_object, solved};
+use crate::common::{grey, quad, room, scene};
+use crate::solved::{apart, baked, furthest_from_one, lights, of_object, range, solved};
 
 /// The five faces of a block that stands on the floor.
 fn block(low: Vec3, high: Vec3) -> Vec<Object> {
@@ -19,54 +21,59 @@ fn block(low: Vec3, high: Vec3) -> Vec<Object> {
     ]
 }
 
-fn with_block(low: Vec3, high: Vec3, hole: bool, emission: f32, reflectance: f32, lamp: f32) -> Scene {
+/// A room of 4 × 3 × 4 m, its floor in cells of 25 cm, with a block.
+fn room_with_block(low: Vec3, high: Vec3) -> Vec<Object> {
     let mut objects = room(Vec3::new(4.0, 3.0, 4.0), 16, [0; 6]);
-    if hole {
-        let floor = &mut objects[0];
-        let p = floor.positions.clone();
-        floor.triangles.retain(|t| {
-            let c = t.iter().map(|&v| p[v as usize]).sum::<Vec3>() / 3.0;
-            !(c.x > low.x && c.x < high.x && c.z > low.z && c.z < high.z)
-        });
-    }
     objects.extend(block(low, high));
-    objects.push(quad("lamp", Vec3::new(0.7, 2.9, 1.0), Vec3::X * 0.8, Vec3::Z * 0.8, 1, 1));
-    scene(objects, vec![grey(reflectance, emission), grey(reflectance, lamp)])
+    objects
 }
 
+/// A block on cells of the floor, beside a lamp: vertices along its base, and all others, carry the
+/// light they carry where there is no floor under the block, within 5 %, which is twice the noise
+/// of another seed. Those under the block stay black, and the report says so.
 #[test]
 fn floor_under_a_block() {
     let (low, high) = (Vec3::new(1.5, 0.0, 1.5), Vec3::new(2.5, 1.0, 2.5));
-    let at = |hole, seed| {
-        let settings = BakeSettings { seed, ..BakeSettings::FINAL };
-        let b = baked(with_block(low, high, hole, 0.0, 0.7, 5.0), &settings);
-        eprintln!("{:?} {:?}", b.report.counts.invalid_samples, b.report.notes);
-        b.objects[0].light.iter().map(|l| l.x).collect::<Vec<_>>()
+    let with_lamp = |mut objects: Vec<Object>| {
+        let corner = Vec3::new(0.7, 2.9, 1.0);
+        objects.push(quad("lamp", corner, Vec3::X * 0.8, Vec3::Z * 0.8, 1, 1));
+        scene(objects, vec![grey(0.7, 0.0), grey(0.7, 5.0)])
     };
-    let (truth, truth2, found) = (at(true, 0), at(true, 1), at(false, 0));
-    for i in 4..=12 {
-        for j in 4..=12 {
-            let k = i * 17 + j;
-            if truth[k] > 0.0 {
-                let (a, b) = (apart(found[k].into(), truth[k].into()), apart(truth2[k].into(), truth[k].into()));
-                if a > 0.03 { eprintln!("vertex {i} {j}: {} for {} ({a:.3}, noise {b:.3})", found[k], truth[k]); }
-            }
-        }
+    let mut hole = room_with_block(low, high);
+    let corners = hole[0].positions.clone();
+    hole[0].triangles.retain(|t| {
+        let middle = t.iter().map(|&v| corners[v as usize]).sum::<Vec3>() / 3.0;
+        !(middle.x > low.x && middle.x < high.x && middle.z > low.z && middle.z < high.z)
+    });
+    let truth = lights(&baked(with_lamp(hole), &BakeSettings::FINAL), 0);
+    let bake = baked(with_lamp(room_with_block(low, high)), &BakeSettings::FINAL);
+    for ((p, found), truth) in corners.iter().zip(lights(&bake, 0)).zip(truth) {
+        let ok = (found - truth).abs() <= 0.05 * truth;
+        assert!(ok, "at {p}: {found}, {truth}");
     }
-    let worst = (0..17 * 17).filter(|&k| truth[k] > 0.0).map(|k| apart(found[k].into(), truth[k].into())).fold(0.0, f64::max);
-    let noise = (0..17 * 17).filter(|&k| truth[k] > 0.0).map(|k| apart(truth2[k].into(), truth[k].into())).fold(0.0, f64::max);
-    eprintln!("aligned worst {worst} noise {noise}");
+    let note = "9 vertices belong to pieces of mesh wholly inside other geometry";
+    assert!(bake.report.notes.iter().any(|n| n.contains(note)));
 }
 
+/// A block across the cells of the floor, in a furnace: light is 1 wherever it can be seen. Samples
+/// under the block are left out, so that vertices outside it have 1 however little of their cells
+/// is. Elements are not split along its base: those across it are too dark by their buried part.
 #[test]
 fn block_across_the_cells_of_the_floor() {
     let (low, high) = (Vec3::new(1.4, 0.0, 1.57), Vec3::new(2.45, 1.0, 2.6));
-    let b = baked(with_block(low, high, false, 0.3, 0.7, 0.3), &BakeSettings::BALANCED);
-    let lo = b.objects.iter().map(|o| o.light.iter().map(|l| l.x).fold(f32::MAX, f32::min)).collect::<Vec<_>>();
-    eprintln!("straddling: lowest vertex by object {lo:?}; invalid {} of {}, filled {}", b.report.counts.invalid_samples, b.report.counts.samples, b.report.counts.filled_vertices);
-    let e = solved(with_block(low, high, false, 0.3, 0.7, 0.3), &BakeSettings::BALANCED);
-    let lo = (0..12).map(|o| of_object(&e, o).map(|e| e.irradiance.x).fold(f32::MAX, f32::min)).collect::<Vec<_>>();
-    eprintln!("elements lowest {lo:?}");
+    let s = scene(room_with_block(low, high), vec![grey(0.7, 0.3)]);
+    let shape = s.objects[0].clone();
+    let bake = baked(s.clone(), &BakeSettings::BALANCED);
+    for (p, v) in shape.positions.iter().zip(lights(&bake, 0)) {
+        let under = p.x > low.x && p.x < high.x && p.z > low.z && p.z < high.z;
+        if !under && (v - 1.0).abs() > 0.02 { eprintln!("{p} {v}"); }
+    }
+    eprintln!("{} of {}", bake.report.counts.invalid_samples, bake.report.counts.samples);
+    let light = solved(s, &BakeSettings::BALANCED);
+    for o in 0..11 {
+        eprintln!("{o} {:?}", range(of_object(&light, o)));
+    }
+    let _ = (apart, furthest_from_one);
 }
 
 /// Two rooms side by side over one floor, the ceiling of the left one luminous.
@@ -105,18 +112,20 @@ fn two_rooms(thickness: f32, lines: &[f32]) -> Scene {
 
 #[test]
 fn light_leak_under_a_wall() {
+    for tol in [1e-3, 1e-5] {
     for thickness in [0.0, 0.01, 0.1] {
         let mut lines: Vec<f32> = (0..=4).map(|i| i as f32 / 4.0).collect();
         let dark = (0..=4).map(|i| 1.0 + thickness + i as f32 / 4.0);
         lines.extend(dark.skip(usize::from(thickness == 0.0)));
-        let e = solved(two_rooms(thickness, &lines), &BakeSettings::BALANCED);
+        let settings = BakeSettings { solver_tolerance: tol, ..BakeSettings::BALANCED };
+        let e = solved(two_rooms(thickness, &lines), &settings);
         let bright = e.elements.iter().map(|e| e.irradiance.x).fold(0.0, f32::max);
         let worst = e.elements.iter().filter(|e| e.center.x > 1.0 + thickness).map(|e| e.irradiance.x).fold(0.0, f32::max);
         eprintln!("thickness {thickness}: elements {} of {bright}", worst);
         let s = two_rooms(thickness, &lines);
         let shapes = s.objects.clone();
-        let b = baked(s, &BakeSettings::BALANCED);
-        let mut by_x = std::collections::BTreeMap::new();
+        let b = baked(s, &settings);
+        let mut by_x = BTreeMap::new();
         for (o, shape) in shapes.iter().enumerate() {
             for (p, l) in shape.positions.iter().zip(&b.objects[o].light) {
                 if o >= 6 || o == 0 && p.x >= 1.0 {
@@ -127,5 +136,5 @@ fn light_leak_under_a_wall() {
         }
         eprintln!("   vertices {by_x:?}");
     }
-    let _ = values;
+    }
 }
