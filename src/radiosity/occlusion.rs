@@ -1,6 +1,6 @@
 use glam::Vec3;
 
-use super::bvh::{Bvh, BvhQuality, Ray};
+use super::bvh::{Bvh, BvhQuality, Crossing, Ray};
 use super::identity::object_seeds;
 use super::sampling::{hash, unit_float};
 use super::surface::Surfaces;
@@ -11,9 +11,14 @@ use super::validate::{HALF_EXTENT, TriangleKey, ValidScene};
 /// Robust Method for Avoiding Self-Intersection", use the same order).
 pub(crate) const OFFSET: f32 = 16.0 * HALF_EXTENT * f32::EPSILON;
 
-/// Within this distance behind a back face, a front face is taken instead: two one-sided faces
-/// back to back, or a wall modelled twice, must not show their black side by a rounding.
+/// Within this distance of the nearest surface, the one that is meant to be seen is taken: a lamp
+/// in the plane of its ceiling must not be lost by a rounding, and two one-sided faces back to
+/// back, or a wall modelled twice, must not show their black side.
 pub(crate) const TIE: f32 = 2.0 * OFFSET;
+
+/// The sides of surfaces, those first that are taken where several are met at one place: fronts
+/// that shine, other fronts, backs.
+const SIDES: usize = 3;
 
 /// No triangle to leave out.
 pub(crate) const NO_TRIANGLE: u32 = u32::MAX;
@@ -36,6 +41,8 @@ pub(crate) struct Hierarchy {
     bvh: Bvh,
     /// Whether light can pass a live triangle.
     transmits: Vec<bool>,
+    /// Whether a live triangle shines.
+    shines: Vec<bool>,
     /// A number for each live triangle that stays its own when others come and go: it decides
     /// what passes it by chance, and which of two triangles at one place is met.
     names: Vec<u32>,
@@ -68,12 +75,26 @@ impl Hierarchy {
             transmits: (0..scene.triangles.len() as u32)
                 .map(|t| surfaces.transmits(t))
                 .collect(),
+            shines: scene
+                .triangles
+                .iter()
+                .map(|key| scene.shines(key.object as usize))
+                .collect(),
             names: scene.triangles.iter().map(name).collect(),
         }
     }
 
+    /// Which of [`SIDES`] a ray met.
+    fn side(&self, found: &Crossing) -> usize {
+        match (found.back, self.shines[found.triangle as usize]) {
+            (false, true) => 0,
+            (false, false) => 1,
+            (true, _) => 2,
+        }
+    }
+
     pub(crate) fn bytes(&self) -> u64 {
-        self.bvh.bytes() + 5 * self.transmits.len() as u64
+        self.bvh.bytes() + 6 * self.transmits.len() as u64
     }
 }
 
@@ -105,14 +126,14 @@ impl<'a> Occluders<'a> {
         skip: u32,
         seed: u32,
     ) -> Option<Hit> {
-        // The nearest on each side: a front face a little behind a back face wins.
-        let mut nearest: [Option<Hit>; 2] = [None; 2];
+        let mut nearest: [Option<Hit>; SIDES] = [None; SIDES];
         let mut limit = f32::INFINITY;
         let hierarchy = self.hierarchy;
         hierarchy
             .bvh
             .traverse(&Ray::new(origin, direction), limit, |found| {
-                let best = &mut nearest[usize::from(found.back)];
+                let side = hierarchy.side(&found);
+                let best = &mut nearest[side];
                 let name = |t: u32| (hierarchy.names[t as usize], t);
                 let loses = best.is_some_and(|b| {
                     found.distance > b.distance
@@ -128,15 +149,16 @@ impl<'a> Occluders<'a> {
                     back: found.back,
                 });
                 // What is as near must be met too, to choose among equals.
-                let reach = found.distance + if found.back { TIE } else { 0.0 };
+                let reach = found.distance + if side > 0 { TIE } else { 0.0 };
                 limit = limit.min(reach.next_up());
                 limit
             });
-        match nearest {
-            [Some(front), Some(back)] if back.distance + TIE < front.distance => Some(back),
-            [Some(front), _] => Some(front),
-            [None, back] => back,
-        }
+        let distances = nearest.iter().flatten().map(|hit| hit.distance);
+        let tie = distances.fold(f32::INFINITY, f32::min) + TIE;
+        nearest
+            .into_iter()
+            .flatten()
+            .find(|hit| hit.distance <= tie)
     }
 
     /// The share of light that gets from `origin` to the point at `distance` along `direction`:
