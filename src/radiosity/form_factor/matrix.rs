@@ -53,8 +53,8 @@ impl Row {
 }
 
 impl Matrix {
-    /// Keeps rows in whichever form is smaller.
-    pub(crate) fn of(rows: &[Row]) -> Self {
+    /// Keeps rows in whichever form is smaller. Each is freed as soon as it is copied.
+    pub(crate) fn of(rows: Vec<Row>) -> Self {
         let entries: usize = rows.iter().map(|r| r.entries.len()).sum();
         if 2 * entries >= rows.len() * rows.len() {
             Self::Dense(DenseRows::of(rows))
@@ -127,7 +127,7 @@ fn weighted(entries: impl Iterator<Item = (u32, f32)>, values: &[Vec3A]) -> DVec
 }
 
 impl WeightedRows {
-    fn of(rows: &[Row], entries: usize) -> Self {
+    fn of(rows: Vec<Row>, entries: usize) -> Self {
         let mut matrix = Self {
             first: vec![0],
             ids: Vec::with_capacity(entries),
@@ -151,11 +151,11 @@ impl WeightedRows {
 }
 
 impl DenseRows {
-    fn of(rows: &[Row]) -> Self {
+    fn of(rows: Vec<Row>) -> Self {
         let count = rows.len();
         let mut weights = vec![0.0; count * count];
-        for (row, into) in rows.iter().zip(weights.chunks_mut(count.max(1))) {
-            for &(id, weight) in &row.entries {
+        for (row, into) in rows.into_iter().zip(weights.chunks_mut(count.max(1))) {
+            for (id, weight) in row.entries {
                 into[id as usize] = weight;
             }
         }
@@ -214,7 +214,7 @@ mod tests {
     fn forms_agree() {
         for (count, every) in [(150, 1), (150, 7), (1, 1)] {
             let rows = rows(count, every);
-            let matrix = Matrix::of(&rows);
+            let matrix = Matrix::of(rows.clone());
             assert_eq!(matches!(matrix, Matrix::Dense(_)), every == 1);
             let values: Vec<Vec3A> = (0..count)
                 .map(|j| Vec3A::new(j as f32, 1.0, -(j as f32)))

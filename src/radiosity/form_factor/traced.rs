@@ -52,7 +52,7 @@ pub(crate) struct RowsBefore<'a> {
 
 impl Traced {
     /// From rows without rays.
-    pub(super) fn of_rows(rows: &[Row], report: FormFactorReport) -> Self {
+    pub(super) fn of_rows(rows: Vec<Row>, report: FormFactorReport) -> Self {
         let sky = rows.iter().map(|r| r.sky).collect();
         Self::of_matrix(Matrix::of(rows), sky, report)
     }

@@ -217,5 +217,5 @@ pub(crate) fn rows(
         report.scaled_rows += u64::from(mended.scaled);
         rows.push(row);
     }
-    Ok(Traced::of_rows(&rows, report))
+    Ok(Traced::of_rows(rows, report))
 }
