@@ -8,9 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-use bevy_fresco::radiosity::{
-    BakeError, BakeSettings, FormFactors, Observer, Solver, Stage, bake,
-};
+use bevy_fresco::radiosity::{BakeError, BakeSettings, FormFactors, Observer, Solver, Stage, bake};
 use common::{grey, room, scene, values};
 use glam::Vec3;
 

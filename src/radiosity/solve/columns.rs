@@ -157,6 +157,9 @@ mod tests {
             let rows: Vec<Row> = by_row.iter().map(weighted).collect();
             assert_eq!(both(&Matrix::of(rows)), [by_row, by_column]);
         }
-        assert_eq!(both(&Matrix::of(Vec::new())), [Vec::<Vec<f32>>::new(), Vec::new()]);
+        assert_eq!(
+            both(&Matrix::of(Vec::new())),
+            [Vec::<Vec<f32>>::new(), Vec::new()]
+        );
     }
 }
