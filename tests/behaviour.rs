@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-use bevy_fresco::radiosity::{BakeError, BakeSettings, Observer, Stage, bake};
+use bevy_fresco::radiosity::{BakeError, BakeSettings, FormFactors, Observer, Solver, Stage, bake};
 use common::{grey, room, scene, values};
 use glam::Vec3;
 
@@ -35,6 +35,59 @@ fn any_number_of_threads_gives_the_same_bits() {
     let one = on(1);
     for threads in [1, 2, 8] {
         assert_eq!(on(threads), one, "{threads} threads");
+    }
+}
+
+/// Each form-factor method with the default solver, and each solver with form factors that take
+/// another way to the matrix than the default's.
+#[test]
+#[cfg(feature = "parallel")]
+fn any_number_of_threads_gives_the_same_bits_by_every_method() {
+    let mut open = room(Vec3::ONE, 4, [0, 1, 0, 0, 0, 0]);
+    open.pop();
+    let mut s = scene(open, vec![grey(0.7, 0.0), grey(0.5, 1.0)]);
+    s.sky = Vec3::new(0.1, 0.2, 0.3);
+    let s = s.validate().unwrap();
+    let hemicube = FormFactors::Hemicube { resolution: 32 };
+    let form_factors = [
+        FormFactors::HitList,
+        hemicube,
+        FormFactors::Analytic { visibility_rays: 2 },
+        FormFactors::AreaSampling { samples: 2 },
+    ];
+    let solvers = [
+        Solver::GaussSeidel,
+        Solver::Jacobi,
+        Solver::Sor { omega: 1.2 },
+        Solver::ProgressiveRefinement,
+        Solver::ConjugateGradients,
+    ];
+    let of_form_factors = form_factors.map(|f| (f, Solver::GaussSeidelMeanField));
+    let of_solvers = solvers.map(|solver| (hemicube, solver));
+    for (form_factors, solver) in of_form_factors.into_iter().chain(of_solvers) {
+        let settings = BakeSettings {
+            elements: 300,
+            form_factors,
+            solver,
+            ..BakeSettings::DRAFT
+        };
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let pool = pool.build().unwrap();
+            pool.install(|| {
+                let bake = bake(&s, &settings, &()).unwrap();
+                let light: Vec<Vec3> = bake.objects.into_iter().flat_map(|o| o.light).collect();
+                (light, bake.report.sampling_error, bake.report.solver)
+            })
+        };
+        let one = on(1);
+        assert!(one.0.iter().any(|l| l.x > 0.0));
+        for threads in [2, 5] {
+            assert!(
+                on(threads) == one,
+                "{form_factors:?}, {solver:?}: {threads} threads"
+            );
+        }
     }
 }
 

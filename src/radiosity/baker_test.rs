@@ -99,7 +99,7 @@ fn stripes(first: u8) -> Texture {
 }
 
 /// A room with one side open to sky and sun, a lamp below the ceiling, two cubes, a masked sheet.
-fn room() -> Scene {
+pub(super) fn room() -> Scene {
     let [x, y, z] = Vec3::AXES;
     let mut sheet = paint(0.8, 0.8, 0.8);
     sheet.alpha = AlphaMode::Mask(0.5);
@@ -173,7 +173,7 @@ fn room() -> Scene {
 }
 
 /// Largest difference of vertex light, relative to the brightest.
-fn difference(a: &Bake, b: &Bake) -> f32 {
+pub(super) fn difference(a: &Bake, b: &Bake) -> f32 {
     let light =
         |b: &Bake| -> Vec<Vec3> { b.objects.iter().flat_map(|o| o.light.clone()).collect() };
     let (a, b) = (light(a), light(b));
@@ -217,7 +217,7 @@ fn check(baker: &Baker, resumed: &Bake, what: &str) {
 type Edit = fn(&mut Scene);
 type Did = fn(&Report) -> bool;
 
-fn moved(object: &mut Object, by: Vec3) {
+pub(super) fn moved(object: &mut Object, by: Vec3) {
     object.positions.iter_mut().for_each(|p| *p += by);
 }
 

@@ -54,6 +54,8 @@ mod bake;
 mod baked;
 mod baker;
 #[cfg(test)]
+mod baker_methods_test;
+#[cfg(test)]
 mod baker_test;
 mod bounds;
 mod bvh;

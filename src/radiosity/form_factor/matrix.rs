@@ -7,26 +7,26 @@ use super::hit_list::HitList;
 pub(crate) enum Matrix {
     /// All weights the same: ids alone.
     Hits(HitList),
-    /// What is not zero, with its weight.
-    Weighted(WeightedRows),
-    /// Every pair.
-    Dense(DenseRows),
+    /// Rows with a weight for each entry.
+    Rows(Vec<KeptRow>),
 }
 
-/// Entries of each row one after the other.
-pub(crate) struct WeightedRows {
-    /// First entry of each row, and one past the last.
-    first: Vec<usize>,
-    ids: Vec<u32>,
-    weights: Vec<f32>,
-    sums: Vec<f32>,
+/// A row as the matrix keeps it, in whichever form is smaller.
+///
+/// Rows are kept just as they are packed, one by one, where they are found: the matrix is never held
+/// twice, as it would be if it were put together from them. (What is freed in a thousand small parts
+/// does not come back for one large part.)
+pub(crate) struct KeptRow {
+    form: Form,
+    /// `Σ_j F_ij`.
+    sum: f64,
 }
 
-/// All entries of each row.
-pub(crate) struct DenseRows {
-    count: usize,
-    weights: Vec<f32>,
-    sums: Vec<f32>,
+enum Form {
+    /// What is not zero, with its element.
+    Sparse(Box<[(u32, f32)]>),
+    /// Every element.
+    Dense(Box<[f32]>),
 }
 
 /// One row, as a method finds it.
@@ -50,25 +50,35 @@ impl Row {
         let light: Vec3A = entries.map(|&(j, f)| seen[j as usize] * f).sum();
         Vec3::from(light) + sky * self.sky
     }
+
+    /// The row to keep, of as many elements as there are.
+    pub(crate) fn packed(self, elements: usize) -> KeptRow {
+        let sum = self.sum();
+        let form = if 2 * self.entries.len() < elements {
+            Form::Sparse(self.entries.into())
+        } else {
+            let mut weights = vec![0.0; elements];
+            for (id, weight) in self.entries {
+                weights[id as usize] = weight;
+            }
+            Form::Dense(weights.into())
+        };
+        KeptRow { form, sum }
+    }
 }
 
 impl Matrix {
-    /// Keeps rows in whichever form is smaller.
-    pub(crate) fn of(rows: &[Row]) -> Self {
-        let entries: usize = rows.iter().map(|r| r.entries.len()).sum();
-        if 2 * entries >= rows.len() * rows.len() {
-            Self::Dense(DenseRows::of(rows))
-        } else {
-            Self::Weighted(WeightedRows::of(rows, entries))
-        }
+    /// Keeps rows that are all there already.
+    pub(crate) fn of(rows: Vec<Row>) -> Self {
+        let count = rows.len();
+        Self::Rows(rows.into_iter().map(|row| row.packed(count)).collect())
     }
 
     /// `Σ_j F_ij x_j` for element `e`.
     pub(crate) fn gather(&self, e: usize, values: &[Vec3A]) -> DVec3 {
         match self {
             Self::Hits(rows) => rows.gather(e, values),
-            Self::Weighted(rows) => weighted(rows.row(e), values),
-            Self::Dense(rows) => rows.gather(e, values),
+            Self::Rows(rows) => rows[e].gather(values),
         }
     }
 
@@ -76,21 +86,15 @@ impl Matrix {
     pub(crate) fn row_sum(&self, e: usize) -> f64 {
         match self {
             Self::Hits(rows) => rows.row_sum(e),
-            Self::Weighted(rows) => rows.sums[e].into(),
-            Self::Dense(rows) => rows.sums[e].into(),
+            Self::Rows(rows) => rows[e].sum,
         }
     }
 
     /// Tells `found` of the entries of a row: element and weight, some elements more than once.
-    pub(crate) fn each(&self, e: usize, mut found: impl FnMut(u32, f32)) {
+    pub(crate) fn each(&self, e: usize, found: impl FnMut(u32, f32)) {
         match self {
             Self::Hits(rows) => rows.each(e, found),
-            Self::Weighted(rows) => rows.row(e).for_each(|(id, w)| found(id, w)),
-            Self::Dense(rows) => {
-                for (j, &w) in rows.row(e).iter().enumerate().filter(|(_, w)| **w != 0.0) {
-                    found(j as u32, w);
-                }
-            }
+            Self::Rows(rows) => rows[e].each(found),
         }
     }
 
@@ -98,101 +102,84 @@ impl Matrix {
     pub(crate) fn len(&self) -> usize {
         match self {
             Self::Hits(rows) => rows.len(),
-            Self::Weighted(rows) => rows.sums.len(),
-            Self::Dense(rows) => rows.count,
+            Self::Rows(rows) => rows.len(),
         }
     }
 
     pub(crate) fn bytes(&self) -> u64 {
         match self {
             Self::Hits(rows) => rows.bytes(),
-            Self::Weighted(rows) => (8 * (rows.ids.len() + rows.first.len())) as u64,
-            Self::Dense(rows) => 4 * (rows.weights.len() + rows.sums.len()) as u64,
+            Self::Rows(rows) => rows.iter().map(KeptRow::bytes).sum(),
         }
+    }
+}
+
+impl KeptRow {
+    /// From the weights of all elements.
+    pub(super) fn dense(weights: Vec<f32>) -> Self {
+        Self {
+            sum: weights.iter().map(|&w| f64::from(w)).sum(),
+            form: Form::Dense(weights.into()),
+        }
+    }
+
+    /// `Σ_j F_ij`.
+    pub(super) fn sum(&self) -> f64 {
+        self.sum
+    }
+
+    fn gather(&self, values: &[Vec3A]) -> DVec3 {
+        match &self.form {
+            Form::Sparse(entries) => sparse(entries, values),
+            Form::Dense(weights) => dense(weights, values),
+        }
+    }
+
+    fn each(&self, mut found: impl FnMut(u32, f32)) {
+        match &self.form {
+            Form::Sparse(entries) => entries.iter().for_each(|&(id, w)| found(id, w)),
+            Form::Dense(weights) => {
+                for (id, &w) in (0..).zip(weights).filter(|(_, w)| **w != 0.0) {
+                    found(id, w);
+                }
+            }
+        }
+    }
+
+    fn bytes(&self) -> u64 {
+        let entries = match &self.form {
+            Form::Sparse(entries) => size_of_val(&**entries),
+            Form::Dense(weights) => size_of_val(&**weights),
+        };
+        (size_of::<Self>() + entries) as u64
     }
 }
 
 /// Short sums in f32 lose nothing that matters; the long one is in f64.
-fn weighted(entries: impl Iterator<Item = (u32, f32)>, values: &[Vec3A]) -> DVec3 {
-    let (mut sum, mut block, mut in_block) = (DVec3::ZERO, Vec3A::ZERO, 0);
-    for (id, weight) in entries {
-        block += values[id as usize] * weight;
-        in_block += 1;
-        if in_block == 16 {
-            sum += block.as_dvec3();
-            (block, in_block) = (Vec3A::ZERO, 0);
-        }
-    }
-    sum + block.as_dvec3()
+fn sparse(entries: &[(u32, f32)], values: &[Vec3A]) -> DVec3 {
+    let block = |entries: &[(u32, f32)]| {
+        let terms = entries.iter().map(|&(id, w)| values[id as usize] * w);
+        terms.sum::<Vec3A>().as_dvec3()
+    };
+    entries.chunks(16).map(block).sum()
 }
 
-impl WeightedRows {
-    fn of(rows: &[Row], entries: usize) -> Self {
-        let mut matrix = Self {
-            first: vec![0],
-            ids: Vec::with_capacity(entries),
-            weights: Vec::with_capacity(entries),
-            sums: Vec::with_capacity(rows.len()),
-        };
-        for row in rows {
-            matrix.ids.extend(row.entries.iter().map(|e| e.0));
-            matrix.weights.extend(row.entries.iter().map(|e| e.1));
-            matrix.first.push(matrix.ids.len());
-            matrix.sums.push(row.sum() as f32);
-        }
-        matrix
-    }
-
-    fn row(&self, e: usize) -> impl Iterator<Item = (u32, f32)> + '_ {
-        let range = self.first[e]..self.first[e + 1];
-        let ids = self.ids[range.clone()].iter().copied();
-        ids.zip(self.weights[range].iter().copied())
-    }
-}
-
-impl DenseRows {
-    fn of(rows: &[Row]) -> Self {
-        let count = rows.len();
-        let mut weights = vec![0.0; count * count];
-        for (row, into) in rows.iter().zip(weights.chunks_mut(count.max(1))) {
-            for &(id, weight) in &row.entries {
-                into[id as usize] = weight;
-            }
-        }
-        Self::new(count, weights)
-    }
-
-    /// From all entries, row after row.
-    pub(crate) fn new(count: usize, weights: Vec<f32>) -> Self {
-        let sum = |row: &[f32]| row.iter().map(|&w| f64::from(w)).sum::<f64>() as f32;
-        Self {
-            sums: weights.chunks(count.max(1)).map(sum).collect(),
-            count,
-            weights,
-        }
-    }
-
-    fn row(&self, e: usize) -> &[f32] {
-        &self.weights[e * self.count..(e + 1) * self.count]
-    }
-
-    fn gather(&self, e: usize, values: &[Vec3A]) -> DVec3 {
-        let blocks = self.row(e).chunks(64).zip(values.chunks(64));
-        blocks
-            .map(|(weights, values)| {
-                let mut lanes = [Vec3A::ZERO; 4];
-                let (fours, rest) = weights.as_chunks::<4>();
-                let (value_fours, value_rest) = values.as_chunks::<4>();
-                for (w, v) in fours.iter().zip(value_fours) {
-                    for k in 0..4 {
-                        lanes[k] += v[k] * w[k];
-                    }
+fn dense(weights: &[f32], values: &[Vec3A]) -> DVec3 {
+    let blocks = weights.chunks(64).zip(values.chunks(64));
+    blocks
+        .map(|(weights, values)| {
+            let mut lanes = [Vec3A::ZERO; 4];
+            let (fours, rest) = weights.as_chunks::<4>();
+            let (value_fours, value_rest) = values.as_chunks::<4>();
+            for (w, v) in fours.iter().zip(value_fours) {
+                for k in 0..4 {
+                    lanes[k] += v[k] * w[k];
                 }
-                let rest: Vec3A = rest.iter().zip(value_rest).map(|(&w, &v)| v * w).sum();
-                ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + rest).as_dvec3()
-            })
-            .sum()
-    }
+            }
+            let rest: Vec3A = rest.iter().zip(value_rest).map(|(&w, &v)| v * w).sum();
+            ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + rest).as_dvec3()
+        })
+        .sum()
 }
 
 #[cfg(test)]
@@ -214,8 +201,11 @@ mod tests {
     fn forms_agree() {
         for (count, every) in [(150, 1), (150, 7), (1, 1)] {
             let rows = rows(count, every);
-            let matrix = Matrix::of(&rows);
-            assert_eq!(matches!(matrix, Matrix::Dense(_)), every == 1);
+            let matrix = Matrix::of(rows.clone());
+            let entries: usize = rows.iter().map(|r| r.entries.len()).sum();
+            let bytes = if every == 1 { 4 } else { 8 } * entries;
+            let heads = rows.len() * size_of::<KeptRow>();
+            assert_eq!(matrix.bytes(), (bytes + heads) as u64);
             let values: Vec<Vec3A> = (0..count)
                 .map(|j| Vec3A::new(j as f32, 1.0, -(j as f32)))
                 .collect();

@@ -8,7 +8,7 @@ use crate::radiosity::report::FormFactorReport;
 use crate::radiosity::sampling::{cosine_hemisphere, frame, hash, sobol};
 
 use super::View;
-use super::matrix::{DenseRows, Matrix, Row};
+use super::matrix::{KeptRow, Matrix, Row};
 use super::polygon::kernel;
 use super::traced::Traced;
 
@@ -89,13 +89,13 @@ pub(super) fn matrix(
         let sky: Vec<f32> = range.map(|e| sky(view, e)).collect();
         (first, exchanges, sky, rays)
     })?;
-    let mut weights = vec![0.0; count * count];
+    let mut weights = vec![vec![0.0; count]; count];
     let (mut traced_rays, mut skies) = (0, Vec::with_capacity(count));
     for (first, exchanges, sky, rays) in halves {
         let pairs = (first..first + sky.len()).flat_map(|i| (i..count).map(move |j| (i, j)));
         for ((i, j), exchange) in pairs.zip(exchanges) {
             for (i, j) in [(i, j), (j, i)] {
-                weights[i * count + j] = (f64::from(exchange) * weight(view, i, j)) as f32;
+                weights[i][j] = (f64::from(exchange) * weight(view, i, j)) as f32;
             }
         }
         skies.extend(sky);
@@ -103,13 +103,13 @@ pub(super) fn matrix(
     }
     let mut report = FormFactorReport::default();
     let mut excess = Vec::with_capacity(count);
-    for row in weights.chunks_mut(count.max(1)) {
+    for row in &mut weights {
         let sum = scale(row);
         excess.push((sum - 1.0).max(0.0) as f32);
         report.largest_row_sum = report.largest_row_sum.max(sum);
         report.scaled_rows += u64::from(sum > 1.0 + ROUNDING);
     }
-    let rows = Matrix::Dense(DenseRows::new(count, weights));
+    let rows = Matrix::Rows(weights.into_iter().map(KeptRow::dense).collect());
     let traced = Traced {
         excess,
         ..Traced::of_matrix(rows, skies, report)

@@ -1,6 +1,6 @@
 use glam::{Vec3, Vec3A};
 
-use super::matrix::{Matrix, Row};
+use super::matrix::Matrix;
 use crate::radiosity::bounds::Reach;
 use crate::radiosity::change::Change;
 use crate::radiosity::element::Elements;
@@ -51,12 +51,6 @@ pub(crate) struct RowsBefore<'a> {
 }
 
 impl Traced {
-    /// From rows without rays.
-    pub(super) fn of_rows(rows: &[Row], report: FormFactorReport) -> Self {
-        let sky = rows.iter().map(|r| r.sky).collect();
-        Self::of_matrix(Matrix::of(rows), sky, report)
-    }
-
     /// From a matrix and each element's share of sky.
     pub(super) fn of_matrix(rows: Matrix, sky: Vec<f32>, report: FormFactorReport) -> Self {
         Self {

@@ -155,8 +155,11 @@ mod tests {
                 sky: 0.0,
             };
             let rows: Vec<Row> = by_row.iter().map(weighted).collect();
-            assert_eq!(both(&Matrix::of(&rows)), [by_row, by_column]);
+            assert_eq!(both(&Matrix::of(rows)), [by_row, by_column]);
         }
-        assert_eq!(both(&Matrix::of(&[])), [Vec::<Vec<f32>>::new(), Vec::new()]);
+        assert_eq!(
+            both(&Matrix::of(Vec::new())),
+            [Vec::<Vec<f32>>::new(), Vec::new()]
+        );
     }
 }

@@ -26,7 +26,7 @@ pub(super) fn symmetrized(system: &System, watch: &Watch) -> Result<Matrix, Canc
     let means = means(system, watch)?;
     let factors = factors(system, &means, watch)?;
     let rows = scaled(system, means, &factors);
-    Ok(Matrix::of(&rows))
+    Ok(Matrix::of(rows))
 }
 
 /// The closest rows come to their sums, and the most steps towards it.

@@ -61,7 +61,7 @@ use crate::radiosity::report::FormFactorReport;
 use crate::radiosity::sampling::hash;
 
 use super::View;
-use super::matrix::Row;
+use super::matrix::{Matrix, Row};
 use super::traced::Traced;
 use delta::DeltaFormFactors;
 use eye::{Eye, Facet, Seen};
@@ -207,15 +207,18 @@ pub(crate) fn rows(
     let hemicube = Hemicube::new(*view, resolution);
     let count = view.elements.len();
     let chunks = map_ranges(count, CHUNK, Stage::FormFactors, observer, |range| {
-        hemicube.rows(range)
+        let rows = hemicube.rows(range).into_iter();
+        let kept = rows.map(|(row, mended)| (row.sky, row.packed(count), mended));
+        kept.collect::<Vec<_>>()
     })?;
     let mut report = FormFactorReport::default();
-    let mut rows = Vec::with_capacity(count);
-    for (row, mended) in chunks.into_iter().flatten() {
+    let (mut rows, mut skies) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    for (sky, row, mended) in chunks.into_iter().flatten() {
         report.largest_row_sum = report.largest_row_sum.max(row.sum());
         report.near_pairs += mended.near_pairs;
         report.scaled_rows += u64::from(mended.scaled);
         rows.push(row);
+        skies.push(sky);
     }
-    Ok(Traced::of_rows(&rows, report))
+    Ok(Traced::of_matrix(Matrix::Rows(rows), skies, report))
 }
