@@ -29,7 +29,7 @@ pub(crate) fn hinged_rectangles(w: f64, h: f64, l: f64) -> f64 {
 fn alternating(ranges: [[f64; 2]; 4], term: impl Fn([f64; 4]) -> f64) -> f64 {
     let corner = |bits: usize| {
         let ends = std::array::from_fn(|k| ranges[k][bits >> k & 1]);
-        let sign = if bits.count_ones() % 2 == 0 {
+        let sign = if bits.count_ones().is_multiple_of(2) {
             1.0
         } else {
             -1.0

@@ -26,7 +26,6 @@ fn by_each_method(scene: &Scene, elements: u32) -> [f64; 3] {
 
 fn assert_near(id: &str, found: [f64; 3], truth: f64, tolerance: [f64; 3]) {
     let errors = found.map(|f| f / truth - 1.0);
-    println!("{id}: {errors:.5?}");
     for (error, tolerance) in errors.into_iter().zip(tolerance) {
         assert!(error.abs() < tolerance, "{id}: {found:?} for {truth}");
     }
@@ -124,7 +123,6 @@ fn long_strips_are_as_endless() {
             "infinite_parallel_cylinders" => long_prisms(t.number("x"), length),
             _ => continue,
         };
-        println!("{}: {:.1e}", t.id, f - t.value);
         assert!((f - t.value).abs() < 4e-4, "{}: {f} for {}", t.id, t.value);
         checked += 1;
     }
@@ -165,7 +163,6 @@ fn hidden_squares_exchange_the_visible_share() {
         let scene = squares(1.0, Some(t.pair("blocker")));
         let settings = settings(&scene, 0.5, method);
         let f = between(&solved(scene, &settings), 0, 1);
-        println!("{}: {:.1e}", t.id, f - t.value);
         assert!((f - t.value).abs() < 1e-3, "{}: {f} for {}", t.id, t.value);
         checked += 1;
     }
@@ -189,10 +186,6 @@ fn half_hidden_is_neither_hidden_nor_seen() {
         });
         let errors: Vec<f64> = errors.collect();
         let rms = (errors.iter().map(|e| e * e).sum::<f64>() / 16.0).sqrt();
-        println!(
-            "{rays} rays: rms {rms:.1e} mean {:.1e}",
-            errors.iter().sum::<f64>() / 16.0
-        );
         assert!(rms < tolerance, "{rays} rays: {rms}");
     }
 }
@@ -205,7 +198,6 @@ fn near_squares_are_no_points() {
         let settings = settings(&scene, 0.5, ANALYTIC);
         let light = solved(scene, &settings);
         let f = between(&light, 0, 1);
-        println!("gap {gap}: {:.1e}", f - truth);
         assert!((f - truth).abs() < 1e-5, "gap {gap}: {f}");
         assert_eq!(light.report.form_factors.scaled_rows, 0);
     }

@@ -148,12 +148,6 @@ fn polygons_see_polygons_as_the_values_say() {
         let [from_there, to_there] =
             [&from, &to].map(|p| p.iter().copied().map(elsewhere).collect::<Vec<DVec3>>());
         let turned = polygon_to_polygon(&from_there, &to_there);
-        println!(
-            "{}: {:.1e}, turned {:.1e}",
-            t.id,
-            f - t.value,
-            turned - t.value
-        );
         for f in [f, turned] {
             assert!((f - t.value).abs() < 1e-12, "{}: {f} for {}", t.id, t.value);
         }

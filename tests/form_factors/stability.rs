@@ -105,7 +105,6 @@ fn touching_polygons_need_many_points() {
                 .sum();
             worst = worst.max((f / (weight * weight) / truth - 1.0).abs());
         }
-        println!("{n} × {n} points: {worst:.1e}");
         assert!(
             worst < at_most && worst > at_least,
             "{n} × {n} points: {worst:.1e}"
@@ -250,10 +249,6 @@ fn more_shadow_rays_close_rows_better() {
         );
         let report = &light.report.form_factors;
         let excess = report.largest_row_sum - 1.0;
-        println!(
-            "{rays} rays: {excess:.1e} too much, {} rows scaled",
-            report.scaled_rows
-        );
         assert!(excess < at_most && excess < before, "{rays} rays: {excess}");
         before = excess;
         assert!(light.report.solver.converged);
@@ -265,10 +260,6 @@ fn more_shadow_rays_close_rows_better() {
 fn area_sampling_exceeds_one_and_is_scaled() {
     let light = with(closed_room(true), FormFactors::AreaSampling { samples: 4 });
     let report = &light.report.form_factors;
-    println!(
-        "largest sum {}, {} rows scaled",
-        report.largest_row_sum, report.scaled_rows
-    );
     assert!(
         report.largest_row_sum > 1.2 && report.scaled_rows > 50,
         "{report:?}"

@@ -10,8 +10,6 @@ pub(crate) struct Truth {
     params: Value,
     /// The form factor; NaN for a whole solution.
     pub(crate) value: f64,
-    /// What an independent method agrees to.
-    pub(crate) tolerance: f64,
     pub(crate) values: Value,
 }
 
@@ -45,7 +43,6 @@ fn read(list: &str) -> Vec<Truth> {
         kind: text(&v["kind"]),
         params: v["params"].clone(),
         value: v["value"].as_f64().unwrap_or(f64::NAN),
-        tolerance: v["tolerance"].as_f64().unwrap_or(f64::NAN),
         values: v["values"].clone(),
     };
     file[list].as_array().unwrap().iter().map(truth).collect()

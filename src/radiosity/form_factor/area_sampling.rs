@@ -21,6 +21,12 @@ pub(super) struct AreaSampling<'a> {
     samples: u32,
 }
 
+impl<'a> AreaSampling<'a> {
+    pub(super) fn new(view: View<'a>, samples: u32) -> Self {
+        Self { view, samples }
+    }
+}
+
 impl Pairwise for AreaSampling<'_> {
     fn view(&self) -> &View<'_> {
         &self.view
@@ -44,6 +50,5 @@ pub(super) fn trace(
     samples: u32,
     observer: &dyn Observer,
 ) -> Result<(Traced, u64), Cancelled> {
-    let view = *view;
-    pairs::matrix(&AreaSampling { view, samples }, observer)
+    pairs::matrix(&AreaSampling::new(*view, samples), observer)
 }

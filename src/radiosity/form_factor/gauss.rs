@@ -63,7 +63,7 @@ mod tests {
             let rule = legendre(n);
             for power in 0..2 * n {
                 let sum: f64 = rule.iter().map(|(x, w)| w * x.powi(power as i32)).sum();
-                let truth = if power % 2 == 0 {
+                let truth = if power.is_multiple_of(2) {
                     2.0 / f64::from(power + 1)
                 } else {
                     0.0

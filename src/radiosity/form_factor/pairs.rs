@@ -28,7 +28,6 @@ pub(super) fn form_factor(method: &impl Pairwise, i: usize, j: usize) -> f64 {
 }
 
 /// The row of one element as [`matrix`] finds it.
-#[cfg(test)]
 pub(super) fn row(method: &impl Pairwise, e: usize) -> Row {
     let view = method.view();
     let mut weights: Vec<f32> = (0..view.elements.len())
@@ -187,5 +186,77 @@ impl View<'_> {
             connection.triangles,
         );
         passing.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::radiosity::bvh::BvhQuality;
+    use crate::radiosity::element::Elements;
+    use crate::radiosity::emitter::Emitters;
+    use crate::radiosity::emitter_tree::EmitterTree;
+    use crate::radiosity::form_factor::analytic::Analytic;
+    use crate::radiosity::form_factor::area_sampling::AreaSampling;
+    use crate::radiosity::occlusion::{Hierarchy, Holds, Occluders};
+    use crate::radiosity::scene::{Material, Object, Scene};
+    use crate::radiosity::settings::BakeSettings;
+    use crate::radiosity::surface::{Pyramids, Surfaces};
+
+    /// Three walls of a corner under a sky, seen by elements.
+    fn look(ask: impl Fn(View)) {
+        let corner = Object {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z],
+            triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1]],
+            ..Object::default()
+        };
+        let scene = Scene {
+            objects: vec![corner],
+            materials: vec![Material::default()],
+            sky: Vec3::ONE,
+            ..Scene::default()
+        };
+        let scene = scene.validate().expect("a scene to bake");
+        let settings = BakeSettings::DRAFT;
+        let pyramids = Pyramids::new(&scene, None);
+        let surfaces = Surfaces::new(&scene, &pyramids);
+        let elements = Elements::new(&scene, &surfaces, Elements::target(&scene, 60), 0.9);
+        let hierarchy = Hierarchy::new(&scene, &surfaces, Holds::Casting, BvhQuality::Quick);
+        let occluders = Occluders::new(&hierarchy, &surfaces);
+        let tree = EmitterTree::new(&scene, &elements, &occluders, &settings, &());
+        let tree = tree.expect("nobody cancels");
+        ask(View {
+            scene: &scene,
+            occluders,
+            elements: &elements,
+            emitters: Emitters::at_elements(&tree, &settings),
+            marks: &vec![false; elements.len()],
+            settings: &settings,
+            remember: false,
+        });
+    }
+
+    fn assert_rows_are_the_matrix(method: &impl Pairwise) {
+        let (traced, rays) = matrix(method, &()).expect("nobody cancels");
+        assert!(rays > 0);
+        for e in 0..traced.rows.len() {
+            let alone = row(method, e);
+            assert_eq!(alone.sky, traced.sky[e]);
+            assert!(alone.sky > 0.0 && alone.sum() > 0.0);
+            let mut found = Vec::new();
+            traced.rows.each(e, |j, weight| found.push((j, weight)));
+            assert_eq!(found.len(), alone.entries.len());
+            for ((i, weight), (j, weight_alone)) in found.into_iter().zip(alone.entries) {
+                assert!(i == j && (weight - weight_alone).abs() <= 1e-6 * weight);
+            }
+        }
+    }
+
+    #[test]
+    fn a_row_alone_is_that_of_the_matrix() {
+        look(|view| {
+            assert_rows_are_the_matrix(&Analytic::new(view, 2));
+            assert_rows_are_the_matrix(&AreaSampling::new(view, 2));
+        });
     }
 }

@@ -342,12 +342,11 @@ mod tests {
             let points = worst(ratio, far, |a, b| a.extent.as_points(&b.extent));
             let radii = |_: &Face, large: &Face| FEW_BY_FEW * large.extent.radius;
             let few_by_few = worst(ratio, radii, Face::few_by_few);
-            println!("{ratio}: {contour:.1e} {few:.1e} {few_by_few:.1e} {center:.1e} {points:.1e}");
-            assert!(few_by_few < 5e-4);
-            assert!(contour < 1e-4);
-            assert!(few < 5e-4);
-            assert!(center < 5e-4);
-            assert!(points < 5e-4);
+            assert!(few_by_few < 5e-4, "{ratio}: {few_by_few:.1e}");
+            assert!(contour < 1e-4, "{ratio}: {contour:.1e}");
+            assert!(few < 5e-4, "{ratio}: {few:.1e}");
+            assert!(center < 5e-4, "{ratio}: {center:.1e}");
+            assert!(points < 5e-4, "{ratio}: {points:.1e}");
         }
     }
 }

@@ -77,8 +77,8 @@ pub fn polygon_to_polygon(a: &[DVec3], b: &[DVec3]) -> f64 {
 
 /// A form factor, if it is one: 0 for the degenerate and what faces away.
 fn share(f: f64) -> f64 {
-    // NaN becomes 0, too.
-    f.max(0.0).min(1.0)
+    // A sum of no number is not above 0 either.
+    if f > 0.0 { f.min(1.0) } else { 0.0 }
 }
 
 /// Area times unit normal of the front.
