@@ -99,7 +99,7 @@ impl Scale {
         let ticks = |axis: &Axis| axis.ticks.iter().map(|t| t.0).collect::<Vec<_>>();
         let x = dots().map(|d| d.at.0).chain(ticks(&chart.x)).collect();
         let y = dots()
-            .map(|d| d.at.1)
+            .map(|d| d.at.1.max(chart.floor.unwrap_or(0.0)))
             .chain(chart.floor)
             .chain(ticks(&chart.y))
             .collect();

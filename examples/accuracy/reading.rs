@@ -64,7 +64,7 @@ fn best(standings: &[Standing], races: usize) -> String {
          and came to the goal in {}.",
         best.family.name, best.first, best.arrived
     );
-    if best.worst > 1.0 {
+    if best.worst > 1.05 {
         text += &format!(
             " Where another was faster it took at worst {} as long.",
             times(best.worst)
