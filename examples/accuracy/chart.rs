@@ -99,7 +99,7 @@ impl Scale {
         let ticks = |axis: &Axis| axis.ticks.iter().map(|t| t.0).collect::<Vec<_>>();
         let x = dots().map(|d| d.at.0).chain(ticks(&chart.x)).collect();
         let y = dots()
-            .map(|d| d.at.1)
+            .map(|d| d.at.1.max(chart.floor.unwrap_or(0.0)))
             .chain(chart.floor)
             .chain(ticks(&chart.y))
             .collect();
@@ -217,6 +217,7 @@ impl Chart {
             dashes: "",
         };
         svg.line(&points, line);
+        taken.take_line(&points);
         for (dot, &point) in series.points.iter().zip(&points) {
             let told = self.floor.is_none_or(|floor| dot.at.1 >= floor);
             svg.marker(series.marker, point, series.color, told);
@@ -304,6 +305,18 @@ struct Taken(Vec<[f64; 4]>);
 impl Taken {
     fn take(&mut self, area: [f64; 4]) {
         self.0.push(area);
+    }
+
+    fn take_line(&mut self, points: &[[f64; 2]]) {
+        const STEP: f64 = 4.0;
+        for ends in points.windows(2) {
+            let [dx, dy] = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
+            let steps = (dx.hypot(dy) / STEP).ceil();
+            for i in 0..steps as u32 {
+                let part = f64::from(i) / steps;
+                self.take([ends[0][0] + dx * part, ends[0][1] + dy * part, 1.0, 1.0]);
+            }
+        }
     }
 
     fn is_free(&self, [x, y, w, h]: [f64; 4]) -> bool {

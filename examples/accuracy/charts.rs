@@ -134,7 +134,7 @@ fn methods(results: &Results, (subject, size, elements): (&Subject, u32, usize))
         front: front(&series, floor),
         series,
         guides: monte_carlo(),
-        floor: Some(floor),
+        floor: Some(floor).filter(|&f| f > 0.0),
     }
 }
 
@@ -196,7 +196,7 @@ fn memory(results: &Results, (subject, size, elements): (&Subject, u32, usize)) 
         front: front(&series, floor),
         series,
         guides: Vec::new(),
-        floor: Some(floor),
+        floor: Some(floor).filter(|&f| f > 0.0),
     }
 }
 

@@ -320,7 +320,11 @@ fn references(references: &[Reference]) -> String {
             count(r.elements as u64),
             format!("{} × {}", r.runs, count(u64::from(r.rays))),
             percent(r.standard_error),
-            percent(r.floor),
+            if r.floor > 0.0 {
+                percent(r.floor)
+            } else {
+                "none".into()
+            },
         ];
         cells.extend(second);
         cells
@@ -338,8 +342,8 @@ fn references(references: &[Reference]) -> String {
     format!(
         "Light of the same elements, the mean of long hit lists with other seeds. Errors below three \
          standard errors are not told from those of the reference: that is the floor, grey in the \
-         charts, where points are hollow. S2 has a closed form; its floor is how far converged runs \
-         are from it, because flat elements are no sphere. The second reference shares only the ray \
+         charts, where points are hollow. S2 has a closed form and needs \
+         no floor: what is left there is that flat elements are no sphere. The second reference shares only the ray \
          hierarchy with the first: analytic form factors with {SECOND_RAYS} shadow rays a pair, several \
          seeds. It agrees if it is off by less than twice what the standard errors of both make \
          expect.\n\n{}",

@@ -3,7 +3,7 @@
 
 use bevy_fresco::radiosity::{
     Bake, BakeError, BakeSettings, Element, ElementLight, FormFactors, ObjectId, Scene, Solver,
-    ValidScene, bake,
+    bake,
 };
 use glam::Vec3;
 
