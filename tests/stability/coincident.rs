@@ -32,7 +32,10 @@ fn coincident_walls() {
             assert!(apart(found, truth) < 0.01, "{object}: {found}, {truth}");
             let (dark, light) = range(of_object(&twice, object));
             // Half as many elements a wall: a margin for the noise of 48 rays.
-            assert!(dark > 0.9 * low && light < 1.1 * high, "{object}: {dark}..{light}");
+            assert!(
+                dark > 0.9 * low && light < 1.1 * high,
+                "{object}: {dark}..{light}"
+            );
         }
     }
     let again = solved(walls_twice(4, Some(3)), &settings);

@@ -65,13 +65,18 @@ pub(crate) fn astray(light: &ElementLight) -> (f64, f64) {
     for (i, e) in light.elements.iter().enumerate() {
         lost += 1.0 - light.row_sum(i);
         let entries = light.row(i).into_iter().zip(&light.elements);
-        own += entries.map(|(f, to)| f * f64::from(u8::from(to.object == e.object))).sum::<f64>();
+        own += entries
+            .map(|(f, to)| f * f64::from(u8::from(to.object == e.object)))
+            .sum::<f64>();
     }
     (lost, own)
 }
 
 /// How far the radiosity of an element is from 1 at most, in a scene where it is 1 everywhere.
 pub(crate) fn furthest_from_one(light: &ElementLight) -> f64 {
-    let errors = light.elements.iter().map(|e| apart(e.radiosity.x.into(), 1.0));
+    let errors = light
+        .elements
+        .iter()
+        .map(|e| apart(e.radiosity.x.into(), 1.0));
     errors.fold(0.0, f64::max)
 }
