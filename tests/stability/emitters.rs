@@ -1,9 +1,9 @@
 //! Emitters that are small, and those that are faint beside others.
 
-use bevy_fresco::radiosity::{BakeSettings, Object, Scene};
+use bevy_fresco::radiosity::{BakeSettings, Element, Object, Scene};
 use glam::Vec3;
 
-use crate::common::{grey, mean_over, quad, room, scene};
+use crate::common::{grey, quad, room, scene};
 use crate::solved::{apart, baked, mean, of_object, solved};
 
 /// A black unit room with a lamp of that width below its ceiling.
@@ -14,6 +14,7 @@ fn with_lamp(width: f32) -> Scene {
     scene(objects, vec![grey(0.0, 0.0), grey(0.0, 1.0)])
 }
 
+/// The error that a note on lamps left to chance tells of.
 fn note(notes: &[String]) -> Option<f64> {
     let note = notes.iter().find(|n| n.contains("sample_emitters"))?;
     let figure = note.split("err by ").nth(1)?.split(' ').next()?;
@@ -39,12 +40,16 @@ fn tiny_lamp_left_to_chance() {
         });
         let found = square.sqrt() / truth;
         let told = note(&light.report.notes).unwrap();
-        eprintln!("lamp {width}: found {found} told {told}");
+        assert!(
+            (0.5..1.5).contains(&(found / told)),
+            "{width}: {found}, {told}"
+        );
         let bake = baked(with_lamp(width), &chance);
-        eprintln!(
-            "vertices: {:?} sampling error {}",
-            note(&bake.report.notes),
-            bake.report.sampling_error
+        let told = note(&bake.report.notes).unwrap();
+        let found = f64::from(bake.report.sampling_error);
+        assert!(
+            (0.3..1.5).contains(&(found / told)),
+            "{width}: {found}, {told}"
         );
     }
     assert_eq!(
@@ -82,32 +87,45 @@ fn two_rooms(powers: [f32; 2]) -> Scene {
     scene(objects, vec![grey(0.5, 0.0), a, b])
 }
 
+/// How far light of one lamp in a million beside one of a million is from what it is beside its
+/// like, relative: the worst direct light of any wall, and the worst of all light, in each room.
+/// Last, the bound that the report gives on the error, as a share of the dim room's light.
+fn errors_of_dim_and_bright(settings: &BakeSettings) -> ([f64; 2], [f64; 2], f64) {
+    let like = solved(two_rooms([1.0, 1.0]), settings);
+    let powers = [1e-6, 1e6];
+    let both = solved(two_rooms(powers), settings);
+    let (mut direct, mut all) = ([0.0_f64; 2], [0.0_f64; 2]);
+    for object in (0..14).filter(|o| o % 7 != 6) {
+        let at = object / 7;
+        let worse = |worst: f64, light: fn(&Element) -> f32| {
+            let [found, truth] = [&both, &like].map(|l| mean(of_object(l, object as u32), light));
+            // The ceilings lie behind the lamps.
+            let error = apart(found / f64::from(powers[at]), truth);
+            if truth > 0.0 { worst.max(error) } else { worst }
+        };
+        direct[at] = worse(direct[at], |e| e.direct.x);
+        all[at] = worse(all[at], |e| e.irradiance.x);
+    }
+    let dim = mean(of_object(&like, 0), |e| e.irradiance.x) * f64::from(powers[0]);
+    (direct, all, both.report.solver.error_bound / dim)
+}
+
+/// Lamps of 10⁻⁶ and 10⁶ in rooms of their own: direct light is right in both within 2 %, though
+/// the samples of the dim room mostly go to the lamp that it cannot see, and all light is in the
+/// bright one. In the dim room light that bounced may be wrong by what the solver's tolerance is of
+/// the bright one: by no more than the report says.
 #[test]
 fn dim_light_beside_bright_light() {
-    let settings = BakeSettings::FINAL;
-    let alone = solved(two_rooms([1.0, 1.0]), &settings);
-    let shapes = two_rooms([1.0; 2]).objects;
-    let alone_v = baked(two_rooms([1.0, 1.0]), &settings);
-    let powers = [1e-6, 1e6];
-    let both = solved(two_rooms(powers), &settings);
-    let both_v = baked(two_rooms(powers), &settings);
-    for o in 0..14 {
-        if o % 7 == 6 {
-            continue;
-        }
-        let power = f64::from(powers[o / 7]);
-        let d = |l, f: fn(&bevy_fresco::radiosity::Element) -> f32| mean(of_object(l, o as u32), f);
-        eprintln!(
-            "{o}: direct {} all {} vertices {}",
-            apart(d(&both, |e| e.direct.x) / power, d(&alone, |e| e.direct.x)),
-            apart(
-                d(&both, |e| e.irradiance.x) / power,
-                d(&alone, |e| e.irradiance.x)
-            ),
-            apart(
-                mean_over(&shapes[o], &both_v.objects[o].light) / power,
-                mean_over(&shapes[o], &alone_v.objects[o].light)
-            )
-        );
-    }
+    let (direct, all, bound) = errors_of_dim_and_bright(&BakeSettings::FINAL);
+    assert!(direct.iter().all(|&e| e < 0.02), "{direct:?}");
+    assert!(all[1] < 0.02, "{all:?}");
+    assert!(all[0] < bound.max(0.02), "{all:?}, {bound}");
+}
+
+/// All light in both, within 2 %.
+#[test]
+#[ignore = "the mean-field correction adds the same light to both rooms"]
+fn bounced_dim_light_beside_bright_light() {
+    let (_, all, _) = errors_of_dim_and_bright(&BakeSettings::FINAL);
+    assert!(all.iter().all(|&e| e < 0.02), "{all:?}");
 }
