@@ -191,6 +191,7 @@ fn small_box_on_a_large_floor() {
         let mut s = scene(objects, vec![grey(0.5, 0.0)]);
         s.sky = Vec3::ONE;
         let settings = BakeSettings {
+            elements: 500,
             element_rays: 4096,
             ..BakeSettings::BALANCED
         };
