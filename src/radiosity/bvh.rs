@@ -427,25 +427,51 @@ mod tests {
         }
     }
 
-    #[test]
-    fn closed_surfaces_are_watertight() {
-        let bvh = bvh_of(&sphere(24, 1000.0));
-        let corners = sphere(24, 1000.0);
-        for i in 0..300_000 {
-            let [u, v, s, t] = sobol(i % 65_536, i / 65_536, 5);
-            let origin = Vec3::new(u - 0.5, v - 0.5, s - 0.5) * 900.0;
-            // Every third ray aims at a corner or an edge, where cracks would be.
-            let triangle = corners[i as usize % corners.len()];
+    /// A cube of 12 triangles, whose diagonals and edges are lines along axes and between them.
+    fn cube(half: f32) -> Vec<[Vec3; 3]> {
+        let face = |axis: usize, side: f32| {
+            let (n, u) = (Vec3::AXES[axis] * side, Vec3::AXES[(axis + 1) % 3]);
+            let v = Vec3::AXES[axis].cross(u);
+            let corner = |a: f32, b: f32| (n + u * a + v * b) * half;
+            let [p, q, r, s] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+            let [p, q, r, s] = [p, q, r, s].map(|(a, b)| corner(a, b));
+            [[p, q, r], [p, r, s]]
+        };
+        (0..6)
+            .flat_map(|f| face(f / 2, 1.0 - 2.0 * (f % 2) as f32))
+            .collect()
+    }
+
+    /// How many rays from inside a closed surface get out. Every third aims at a corner and every
+    /// third at an edge, where cracks would be.
+    fn leaks(corners: &[[Vec3; 3]], reach: f32, rays: u32) -> u32 {
+        let bvh = bvh_of(corners);
+        let leaks = |i: &u32| {
+            let [u, v, s, t] = sobol(*i, 0, 5);
+            let origin = (Vec3::new(u, v, s) - 0.5) * 2.0 * reach;
+            let triangle = corners[(i / 3) as usize % corners.len()];
             let direction = match i % 3 {
                 0 => (triangle[0] - origin).normalize(),
                 1 => (triangle[0].lerp(triangle[1], t) - origin).normalize(),
                 _ => anywhere(t, u, i % 2 == 0),
             };
-            assert!(
-                nearest(&bvh, origin, direction).is_some(),
-                "ray {i} from {origin} along {direction} leaked"
-            );
-        }
+            nearest(&bvh, origin, direction).is_none()
+        };
+        (0..rays).filter(leaks).count() as u32
+    }
+
+    #[test]
+    fn closed_surfaces_are_watertight() {
+        assert_eq!(leaks(&sphere(24, 1000.0), 450.0, 1_000_000), 0);
+        assert_eq!(leaks(&cube(1000.0), 999.0, 1_000_000), 0);
+    }
+
+    /// 2 minutes; by hand: none of 10⁸ rays got out of either.
+    #[test]
+    #[ignore = "takes minutes"]
+    fn closed_surfaces_are_watertight_to_many_rays() {
+        assert_eq!(leaks(&sphere(24, 1000.0), 450.0, 100_000_000), 0);
+        assert_eq!(leaks(&cube(1000.0), 999.0, 100_000_000), 0);
     }
 
     #[test]

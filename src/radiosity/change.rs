@@ -168,8 +168,6 @@ fn same_surface((old, was): Side, p: usize, (new, is): Side, o: usize) -> bool {
         && a.positions == b.positions
         && a.triangles == b.triangles
         && sides(old, a) == sides(new, b)
-        // Of surfaces in one plane rays meet the one that shines.
-        && old.shines(p) == new.shines(o)
         && same_alpha(old, a, new, b)
         && is.same_shapes(o, was, p)
 }

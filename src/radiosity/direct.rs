@@ -18,11 +18,12 @@ use super::validate::ValidScene;
 /// Elements a thread takes at a time.
 const CHUNK: usize = 64;
 
-/// Points on an element at which light is tested; samples of emitters are shared out among them.
+/// Points on an element at which light is tested, at least.
 const POINTS: u32 = 4;
 
-/// All of them.
-const ALL: Range<u32> = 0..POINTS;
+/// Emitters are tested at one point for so many samples, which are shared out among the points: where
+/// a shadow's edge crosses an element, more places tell more than more samples from each.
+const SAMPLES_A_POINT: u32 = 4;
 
 /// How lights and sampled emitters reach each element, whatever their colours.
 pub(crate) struct Direct {
@@ -135,7 +136,7 @@ impl<'a> Sampler<'a> {
             let still = |b: &DirectBefore| !crosses(&b.change.disturbed, light, sphere());
             match (known, kept) {
                 (Some(value), Some((b, _))) if still(b) => value,
-                _ => self.reached(e, l, ALL, &mut rays.lights),
+                _ => self.reached(e, l, 0..POINTS, &mut rays.lights),
             }
         });
         let reached = reached.collect();
@@ -144,7 +145,7 @@ impl<'a> Sampler<'a> {
         };
         let sampled = match kept {
             Some((b, old)) if still(b) => b.sampled(old),
-            _ => self.sampled(e, ALL, &mut rays.emitters),
+            _ => self.sampled(e, 0..self.emitter_points(), &mut rays.emitters),
         };
         AtElement { reached, sampled }
     }
@@ -170,7 +171,7 @@ impl<'a> Sampler<'a> {
     /// The same of emitters, by element that shines.
     fn sampled(&self, e: usize, points: Range<u32>, rays: &mut u64) -> Vec<(u32, f32)> {
         let seed = self.seed(e);
-        let share = self.emitters.samples.div_ceil(POINTS);
+        let share = self.emitters.samples.div_ceil(self.emitter_points());
         let count = points.len() as f32;
         let mut sums: Vec<(u32, f32)> = Vec::new();
         for i in points {
@@ -190,19 +191,23 @@ impl<'a> Sampler<'a> {
 
     /// Light of lights and sampled emitters at one element, as each half of the points tells it.
     pub(crate) fn halves(&self, e: usize, rays: &mut ShadowRays) -> [Vec3; 2] {
-        [0..POINTS / 2, POINTS / 2..POINTS].map(|points| {
+        [0, 1].map(|half| {
+            let of = |points: u32| half * points / 2..(half + 1) * points / 2;
             let lights = self.scene.lights.iter().enumerate();
             let lit: Vec3 = lights
                 .filter(|(_, light)| shines(light))
-                .map(|(l, light)| {
-                    light.power * self.reached(e, l, points.clone(), &mut rays.lights)
-                })
+                .map(|(l, light)| light.power * self.reached(e, l, of(POINTS), &mut rays.lights))
                 .sum();
-            let sampled = self.sampled(e, points, &mut rays.emitters);
+            let sampled = self.sampled(e, of(self.emitter_points()), &mut rays.emitters);
             let emission =
                 |&(from, light): &(u32, f32)| self.elements.emission[from as usize] * light;
             lit + sampled.iter().map(emission).sum::<Vec3>()
         })
+    }
+
+    /// Points at which emitters are tested: an even number, for halves.
+    fn emitter_points(&self) -> u32 {
+        POINTS.max(self.emitters.samples / SAMPLES_A_POINT / 2 * 2)
     }
 
     fn seed(&self, e: usize) -> u32 {

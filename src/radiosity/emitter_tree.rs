@@ -56,7 +56,7 @@ enum Content {
 }
 
 /// Above this share of all rays a material's emitters are left to be found by rays.
-const WIDE: f32 = 0.1;
+pub(crate) const WIDE: f32 = 0.1;
 
 /// Elements that reflect more than this many times the mean are sampled in the gather.
 const BRIGHT: f32 = 6.0;

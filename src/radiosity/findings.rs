@@ -3,9 +3,9 @@ use std::time::Duration;
 use glam::{DVec3, Vec3};
 
 use super::element::Elements;
-use super::emitter_tree::EmitterTree;
+use super::emitter_tree::{EmitterTree, WIDE};
 use super::fit::Fit;
-use super::form_factor::Traced;
+use super::form_factor::{FormFactors, Traced};
 use super::gathered::TriangleSamples;
 use super::observer::Stage;
 use super::receiver_mesh::ReceiverMeshes;
@@ -19,6 +19,9 @@ use super::validate::{ValidScene, shines};
 /// 95 of 100 bakes (`tests/sampling_error.rs`) and not in every other: half-sets are smoothed by what they
 /// have in common, and a few elements stand for all.
 const COVER: f32 = 1.25;
+
+/// Light that is expected to err by more than this share is worth a note.
+const NOISY: f64 = 0.1;
 
 /// What the solution of the elements can be asked about.
 pub(crate) struct Findings<'a> {
@@ -49,6 +52,7 @@ impl Findings<'_> {
     pub(crate) fn report(&self, vertices: Option<&VertexFindings>) -> Report {
         let energy = self.energy();
         let mut notes = self.notes();
+        notes.extend(self.lamps_left_to_chance(vertices.is_some()));
         notes.extend(vertices.iter().flat_map(|v| v.notes(self.scene)));
         notes.extend(self.darkness(&energy));
         Report {
@@ -134,6 +138,62 @@ impl Findings<'_> {
             ));
         }
         notes
+    }
+
+    /// Emitters that would be sampled, are not, and are hard to find by chance.
+    ///
+    /// Of `S` rays a share `F` finds emitters that fill the share `F` of the view, so many that
+    /// their number is known to
+    ///
+    /// ```text
+    ///   √(S F (1 − F)) of S F      ┌─────────────────────┐
+    ///                              │  error ≈ 1 / √(S F) │    F ≪ 1
+    ///                              └─────────────────────┘
+    /// ```
+    fn lamps_left_to_chance(&self, at_vertices: bool) -> Option<String> {
+        let share = if self.settings.sample_emitters {
+            0.0
+        } else {
+            self.view_of_lamps()
+        };
+        let (rays, place) = match self.settings.form_factors {
+            _ if at_vertices => {
+                let rays = f64::from(self.settings.gather_rays);
+                (
+                    rays * f64::from(self.settings.samples_per_vertex),
+                    "vertices",
+                )
+            }
+            FormFactors::HitList => (f64::from(self.settings.element_rays), "elements"),
+            // These err by aliasing or by shadows, not by the number of rays.
+            _ => return None,
+        };
+        let error = 1.0 / (rays * share).sqrt();
+        (share > 0.0 && error > NOISY).then(|| {
+            format!(
+                "emissive surfaces fill {:.2} % of the view and are left to rays, {rays} for each of the {place}: \
+                 expect their light to err by {:.0} %, or set sample_emitters",
+                100.0 * share,
+                100.0 * error
+            )
+        })
+    }
+
+    /// The share of the view that emissive materials fill which are small enough to be sampled,
+    /// averaged over all surfaces. By reciprocity an emitter is seen as it sees:
+    /// `Σ_i A_i F_ij = A_j Σ_i F_ji`, which finds the smallest lamp.
+    fn view_of_lamps(&self) -> f64 {
+        let elements = self.elements;
+        let mut views = vec![0.0; self.scene.materials.len()];
+        for (o, object) in self.scene.objects.iter().enumerate() {
+            let shine = |&e: &usize| elements.emission[e] != Vec3::ZERO;
+            let seen = |e: usize| f64::from(elements.area[e]) * self.traced.rows.row_sum(e);
+            views[object.material.0 as usize] +=
+                elements.of_object(o).filter(shine).map(seen).sum::<f64>();
+        }
+        let all: f64 = elements.area.iter().map(|&a| f64::from(a)).sum();
+        let shares = views.iter().map(|view| view / all.max(f64::MIN_POSITIVE));
+        shares.filter(|&share| share <= f64::from(WIDE)).sum()
     }
 
     /// Why the result is black, if it is.

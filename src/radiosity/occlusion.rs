@@ -4,6 +4,7 @@ use super::bvh::{Bvh, BvhQuality, Crossing, Ray};
 use super::identity::object_seeds;
 use super::sampling::{hash, unit_float};
 use super::surface::Surfaces;
+use super::triangle::area;
 use super::validate::{HALF_EXTENT, TriangleKey, ValidScene};
 
 /// How far off its surface a ray starts, in internal units: 16 times the spacing of `f32` at the
@@ -11,14 +12,9 @@ use super::validate::{HALF_EXTENT, TriangleKey, ValidScene};
 /// Robust Method for Avoiding Self-Intersection", use the same order).
 pub(crate) const OFFSET: f32 = 16.0 * HALF_EXTENT * f32::EPSILON;
 
-/// Within this distance of the nearest surface, the one that is meant to be seen is taken: a lamp
-/// in the plane of its ceiling must not be lost by a rounding, and two one-sided faces back to
-/// back, or a wall modelled twice, must not show their black side.
+/// Surfaces met within this distance of the nearest are at one place: which of them is seen must
+/// not be left to rounding. See [`Occluders::foremost`].
 pub(crate) const TIE: f32 = 2.0 * OFFSET;
-
-/// The sides of surfaces, those first that are taken where several are met at one place: fronts
-/// that shine, other fronts, backs.
-const SIDES: usize = 3;
 
 /// No triangle to leave out.
 pub(crate) const NO_TRIANGLE: u32 = u32::MAX;
@@ -36,16 +32,27 @@ pub(crate) struct Hit {
     pub(crate) back: bool,
 }
 
+impl From<Crossing> for Hit {
+    fn from(found: Crossing) -> Self {
+        Self {
+            triangle: found.triangle,
+            distance: found.distance,
+            uv: found.uv,
+            back: found.back,
+        }
+    }
+}
+
 /// The ray-tracing hierarchy and what it needs to know of its triangles.
 pub(crate) struct Hierarchy {
     bvh: Bvh,
     /// Whether light can pass a live triangle.
     transmits: Vec<bool>,
-    /// Whether a live triangle shines.
-    shines: Vec<bool>,
     /// A number for each live triangle that stays its own when others come and go: it decides
     /// what passes it by chance, and which of two triangles at one place is met.
     names: Vec<u32>,
+    /// Area of the object that a live triangle is part of.
+    sizes: Vec<f32>,
 }
 
 /// Which live triangles a hierarchy holds.
@@ -75,27 +82,24 @@ impl Hierarchy {
             transmits: (0..scene.triangles.len() as u32)
                 .map(|t| surfaces.transmits(t))
                 .collect(),
-            shines: scene
-                .triangles
-                .iter()
-                .map(|key| scene.shines(key.object as usize))
-                .collect(),
             names: scene.triangles.iter().map(name).collect(),
-        }
-    }
-
-    /// Which of [`SIDES`] a ray met.
-    fn side(&self, found: &Crossing) -> usize {
-        match (found.back, self.shines[found.triangle as usize]) {
-            (false, true) => 0,
-            (false, false) => 1,
-            (true, _) => 2,
+            sizes: sizes(scene),
         }
     }
 
     pub(crate) fn bytes(&self) -> u64 {
-        self.bvh.bytes() + 6 * self.transmits.len() as u64
+        self.bvh.bytes() + 9 * self.transmits.len() as u64
     }
+}
+
+/// For each live triangle, the area of its object's live triangles.
+fn sizes(scene: &ValidScene) -> Vec<f32> {
+    let mut areas = vec![0.0_f64; scene.objects.len()];
+    for &key in &scene.triangles {
+        areas[key.object as usize] += f64::from(area(scene.corners(key)));
+    }
+    let size = |key: &TriangleKey| areas[key.object as usize] as f32;
+    scene.triangles.iter().map(size).collect()
 }
 
 /// The input triangles as what stops light.
@@ -126,39 +130,48 @@ impl<'a> Occluders<'a> {
         skip: u32,
         seed: u32,
     ) -> Option<Hit> {
-        let mut nearest: [Option<Hit>; SIDES] = [None; SIDES];
-        let mut limit = f32::INFINITY;
-        let hierarchy = self.hierarchy;
-        hierarchy
-            .bvh
-            .traverse(&Ray::new(origin, direction), limit, |found| {
-                let side = hierarchy.side(&found);
-                let best = &mut nearest[side];
-                let name = |t: u32| (hierarchy.names[t as usize], t);
-                let loses = best.is_some_and(|b| {
-                    found.distance > b.distance
-                        || (found.distance == b.distance && name(found.triangle) > name(b.triangle))
-                });
-                if loses || found.triangle == skip || self.passes(found.triangle, found.uv, seed) {
-                    return limit;
+        let ray = Ray::new(origin, direction);
+        let (mut nearest, mut tied) = (None, false);
+        let mut distance = f32::INFINITY;
+        self.hierarchy.bvh.traverse(&ray, distance, |found| {
+            if found.triangle != skip && !self.passes(found.triangle, found.uv, seed) {
+                tied |= (found.distance - distance).abs() <= TIE;
+                if found.distance < distance {
+                    distance = found.distance;
+                    nearest = Some(Hit::from(found));
                 }
-                *best = Some(Hit {
-                    triangle: found.triangle,
-                    distance: found.distance,
-                    uv: found.uv,
-                    back: found.back,
-                });
-                // What is as near must be met too, to choose among equals.
-                let reach = found.distance + if side > 0 { TIE } else { 0.0 };
-                limit = limit.min(reach.next_up());
-                limit
-            });
-        let distances = nearest.iter().flatten().map(|hit| hit.distance);
-        let tie = distances.fold(f32::INFINITY, f32::min) + TIE;
+            }
+            (distance + TIE).next_up()
+        });
+        if tied {
+            return self.foremost(&ray, distance + TIE, skip, seed);
+        }
         nearest
-            .into_iter()
-            .flatten()
-            .find(|hit| hit.distance <= tie)
+    }
+
+    /// Of surfaces at one place the one that is meant to be seen: a front before a back, so that two
+    /// one-sided faces back to back do not show their black sides; then the smaller object, so that
+    /// a lamp in the plane of its ceiling and a carpet in that of its floor are not lost; then the
+    /// nearer one.
+    fn foremost(&self, ray: &Ray, up_to: f32, skip: u32, seed: u32) -> Option<Hit> {
+        let hierarchy = self.hierarchy;
+        let key = |hit: &Hit| {
+            let t = hit.triangle as usize;
+            let (size, name) = (hierarchy.sizes[t], hierarchy.names[t]);
+            (hit.back, size, hit.distance, name, hit.triangle)
+        };
+        let mut best: Option<Hit> = None;
+        hierarchy.bvh.traverse(ray, up_to.next_up(), |found| {
+            let hit = Hit::from(found);
+            if found.triangle != skip
+                && !self.passes(found.triangle, found.uv, seed)
+                && best.is_none_or(|b| key(&hit) < key(&b))
+            {
+                best = Some(hit);
+            }
+            up_to.next_up()
+        });
+        best
     }
 
     /// The share of light that gets from `origin` to the point at `distance` along `direction`:
@@ -223,12 +236,7 @@ impl<'a> Occluders<'a> {
                             .fract());
                 if !see_through {
                     limit = found.distance;
-                    best = Some(Hit {
-                        triangle: t,
-                        distance: found.distance,
-                        uv: found.uv,
-                        back: found.back,
-                    });
+                    best = Some(Hit::from(found));
                 }
                 limit
             });

@@ -162,12 +162,6 @@ impl ValidScene {
         self.objects[key.object as usize].casts
     }
 
-    /// Whether an object emits light.
-    pub(crate) fn shines(&self, object: usize) -> bool {
-        let material = &self.materials[self.objects[object].material.0 as usize];
-        material.emissive.max_element() > 0.0 && !material.unlit
-    }
-
     pub(crate) fn material(&self, key: TriangleKey) -> &Material {
         let object = &self.objects[key.object as usize];
         &self.materials[object.material.0 as usize]
@@ -472,5 +466,8 @@ fn normalise_frame(scene: &mut ValidScene, center: DVec3) {
 pub(super) fn shines(scene: &ValidScene) -> bool {
     scene.sky.max_element() > 0.0
         || scene.lights.iter().any(|l| l.power.max_element() > 0.0)
-        || (scene.triangles.iter()).any(|&t| scene.casts(t) && scene.shines(t.object as usize))
+        || scene.triangles.iter().any(|&t| {
+            let m = scene.material(t);
+            scene.casts(t) && m.emissive.max_element() > 0.0 && !m.unlit
+        })
 }

@@ -32,7 +32,10 @@ fn coincident_walls() {
             assert!(apart(found, truth) < 0.01, "{object}: {found}, {truth}");
             let (dark, light) = range(of_object(&twice, object));
             // Half as many elements a wall: a margin for the noise of 48 rays.
-            assert!(dark > 0.9 * low && light < 1.1 * high, "{object}: {dark}..{light}");
+            assert!(
+                dark > 0.9 * low && light < 1.1 * high,
+                "{object}: {dark}..{light}"
+            );
         }
     }
     let again = solved(walls_twice(4, Some(3)), &settings);
@@ -57,7 +60,10 @@ fn cornell(lamp: [f32; 4], below: f32, reflectance: f32) -> Scene {
 /// most of the ceiling, which rays find. With light that bounces the same comes out for all offsets.
 #[test]
 fn coplanar_lamp() {
-    let settings = BakeSettings::FINAL;
+    let settings = BakeSettings {
+        elements: 4_000,
+        ..BakeSettings::FINAL
+    };
     for (lamp, factor, centre) in [
         ([2.13, 3.43, 2.27, 3.32], 0.010_674_1, 0.014_207_0),
         ([0.3, 5.2, 0.3, 5.2], 0.164_005_2, 0.200_885_9),
@@ -67,7 +73,7 @@ fn coplanar_lamp() {
             mean(of_object(&light, 0), |e| e.irradiance.x)
         };
         let bounced = floor(1e-3, 0.7);
-        for below in [0.0, 1e-6, 1e-4] {
+        for below in [0.0, 1e-6] {
             let direct = floor(below, 0.0);
             assert!(apart(direct, factor) < 0.003, "{below}: {direct}, {factor}");
             let found = floor(below, 0.7);

@@ -1,11 +1,11 @@
 //! Triangles that are hardly any, objects of nothing, quads that are not flat.
 
-use bevy_fresco::radiosity::{BakeSettings, Element, MaterialId, Object, Scene};
+use bevy_fresco::radiosity::{BakeSettings, Element, Material, MaterialId, Object, Scene};
 use glam::Vec3;
 
 use crate::common::{grey, quad, room, scene, values};
 use crate::solved::{
-    apart, baked, differences, furthest_from_one, lights, mean, of_object, range, solved,
+    apart, baked, differences, furthest_from_one, lights, mean, of_object, range, solved, tight,
 };
 
 /// A room with a luminous ceiling.
@@ -26,7 +26,8 @@ fn floor_with_lines(lines: &[f32]) -> Object {
 
 /// Every eighth of a floor is followed by a strip of 10⁻⁴: cells of 1 : 1000 and, where strips
 /// cross, of an area of 10⁻⁸. Their vertices carry the light that the floor has there without them,
-/// and so do all others; what differs is the noise of other samples, measured by another seed.
+/// and so do all others; what differs is the noise of other samples, measured by another seed, and
+/// strips have few of them. No element is dark or bright by its shape.
 #[test]
 fn slivers() {
     let plain: Vec<f32> = (0..=8).map(|i| i as f32 / 8.0).collect();
@@ -48,15 +49,20 @@ fn slivers() {
         .map(|k| clean[(k / 16).div_ceil(2) * 9 + (k % 16).div_ceil(2)])
         .collect();
     let found = differences(&floor(&slivered, 0), &truth);
-    eprintln!("slivers {found:?} noise {noise:?}");
+    for (found, noise) in [(found.0, noise.0), (found.1, noise.1)] {
+        assert!(found < 2.5 * noise, "{found}, noise {noise}");
+    }
+
     let mut s = lit_room(4);
     s.objects[0] = floor_with_lines(&slivered);
     let light = solved(s, &BakeSettings::BALANCED);
-    eprintln!("range {:?} smallest {}", range(of_object(&light, 0)), of_object(&light, 0).map(|e| e.area).fold(1.0, f32::min));
+    let (low, high) = range(of_object(&light, 0));
+    assert!(0.3 < low && high < 0.8, "{low}..{high}");
 }
 
 /// Triangles without area among a tenth of the others: with a corner used twice, with corners on a
-/// line, with corners of one place in two vertices. Nothing else changes, down to the bit.
+/// line, with one corner alone. Elements keep their light down to the bit, vertices but for the
+/// order of a sum.
 #[test]
 fn triangles_without_area() {
     let settings = BakeSettings::DRAFT;
@@ -67,12 +73,19 @@ fn triangles_without_area() {
         let kinds = [[3, 3, 8], [0, 1, 2], [0, 6, 12], [7, 7, 7]];
         object.triangles.extend(kinds);
     }
-    let (a, b) = (solved(clean.clone(), &settings), solved(flat.clone(), &settings));
+    let (a, b) = (
+        solved(clean.clone(), &settings),
+        solved(flat.clone(), &settings),
+    );
     assert_eq!(a.elements, b.elements);
     let (a, b) = (baked(clean, &settings), baked(flat, &settings));
-    assert_eq!(values(&a), values(&b));
+    let (_, largest) = differences(&values(&a), &values(&b));
+    assert!(largest < 1e-5, "{largest}");
     let note = "4 triangles without area were left out";
-    assert_eq!(b.report.notes.iter().filter(|n| n.contains(note)).count(), 6);
+    assert_eq!(
+        b.report.notes.iter().filter(|n| n.contains(note)).count(),
+        6
+    );
 }
 
 /// Objects of nothing beside the others (no vertices, no triangles, one vertex used thrice,
@@ -87,7 +100,11 @@ fn objects_of_nothing() {
     }
     let light = |s: &Scene| -> Vec<Vec3> {
         let irradiance = |e: &Element| e.irradiance;
-        solved(s.clone(), &settings).elements.iter().map(irradiance).collect()
+        solved(s.clone(), &settings)
+            .elements
+            .iter()
+            .map(irradiance)
+            .collect()
     };
     let (elements, vertices) = (light(&clean), values(&baked(clean.clone(), &settings)));
     let nothing = |positions: &[Vec3], triangles: &[[u32; 3]]| Object {
@@ -116,9 +133,9 @@ fn objects_of_nothing() {
     }
 }
 
-/// The Cornell box as it was measured (Goral et al. 1984 have none; Cornell University's data of
-/// 1998), its front closed, its walls cut along one diagonal or the other.
-fn measured_cornell_box(cut: usize, materials: Vec<bevy_fresco::radiosity::Material>) -> Scene {
+/// The Cornell box as it was measured (Cornell University's published data), its front closed, its
+/// walls cut along one diagonal or the other.
+fn measured_cornell_box(cut: usize, materials: Vec<Material>) -> Scene {
     let corners = [
         [552.8, 0.0, 0.0],
         [0.0, 0.0, 0.0],
@@ -158,10 +175,10 @@ fn quads_that_are_not_flat() {
     let walls = [0, 1].map(|cut| {
         let furnace = measured_cornell_box(cut, vec![grey(0.8, 0.2)]);
         let light = solved(furnace.clone(), &settings);
-        assert!((0..light.elements.len()).all(|e| light.row_sum(e) == 1.0));
-        assert!(furthest_from_one(&light) < 1e-5);
+        assert!(tight(&light, &settings));
+        assert!(furthest_from_one(&light) < 1e-4);
         for v in values(&baked(furnace, &settings)) {
-            assert!((v - 1.0).abs() < 1e-5, "{v}");
+            assert!((v - 1.0).abs() < 1e-4, "{v}");
         }
         let lit = measured_cornell_box(cut, vec![grey(0.8, 0.0), grey(0.0, 1.0)]);
         let light = solved(lit, &settings);

@@ -19,8 +19,22 @@ fn everything() -> Scene {
     let mut objects = room(Vec3::ONE, 5, [0; 6]);
     objects.truncate(5);
     objects.push(quad("again", Vec3::ZERO, Vec3::Z, Vec3::X, 3, 0));
-    objects.push(quad("lamp", Vec3::new(0.4, 0.9, 0.4), Vec3::X * 0.2, Vec3::Z * 0.2, 1, 1));
-    objects.push(quad("veil", Vec3::new(0.2, 0.1, 0.7), Vec3::X * 0.7, Vec3::Y * 0.7, 2, 2));
+    objects.push(quad(
+        "lamp",
+        Vec3::new(0.4, 0.9, 0.4),
+        Vec3::X * 0.2,
+        Vec3::Z * 0.2,
+        1,
+        1,
+    ));
+    objects.push(quad(
+        "veil",
+        Vec3::new(0.2, 0.1, 0.7),
+        Vec3::X * 0.7,
+        Vec3::Y * 0.7,
+        2,
+        2,
+    ));
     let mut s = scene(objects, vec![grey(0.7, 0.0), grey(0.0, 5.0), veil]);
     s.sky = Vec3::new(0.2, 0.3, 0.5);
     s.lights.push(Light {
@@ -49,7 +63,10 @@ fn threads() {
     };
     let rows = |light: &ElementLight| {
         let count = light.elements.len();
-        (0..count).step_by(37).map(|e| light.row(e)).collect::<Vec<_>>()
+        (0..count)
+            .step_by(37)
+            .map(|e| light.row(e))
+            .collect::<Vec<_>>()
     };
     let one = on(1);
     for threads in [1, 2, 2, 8, 8] {

@@ -14,9 +14,14 @@ fn cube() -> Object {
     let mut cube = Object::default();
     for wall in &mut walls {
         let first = cube.positions.len() as u32;
-        cube.positions.extend(wall.positions.iter().map(|p| *p - 0.5));
+        cube.positions
+            .extend(wall.positions.iter().map(|p| *p - 0.5));
         cube.normals.extend(wall.normals.iter().map(|n| -*n));
-        cube.triangles.extend(wall.triangles.iter().map(|&[a, b, c]| [a, c, b].map(|v| v + first)));
+        cube.triangles.extend(
+            wall.triangles
+                .iter()
+                .map(|&[a, b, c]| [a, c, b].map(|v| v + first)),
+        );
     }
     cube
 }
@@ -107,6 +112,9 @@ fn mirrored_and_stretched_nodes() {
         let (_, largest) = differences(&values(&a), &values(&b));
         assert!(largest < 1e-6, "{scale}: {largest}");
         let block = a.objects[0].light.iter();
-        assert!(block.fold(f32::MAX, |low, l| low.min(l.x)) > 0.1, "{scale}: inside out");
+        assert!(
+            block.fold(f32::MAX, |low, l| low.min(l.x)) > 0.1,
+            "{scale}: inside out"
+        );
     }
 }

@@ -58,20 +58,34 @@ pub(crate) fn lights(bake: &Bake, object: usize) -> Vec<f32> {
     bake.objects[object].light.iter().map(|l| l.x).collect()
 }
 
-/// Shares of rays, summed over all elements: of those that met no element, and of those that met
-/// the object they started from.
-pub(crate) fn astray(light: &ElementLight) -> (f64, f64) {
+/// Of the rays of all elements, how many met no element, and how many the object they started from.
+pub(crate) fn astray(light: &ElementLight, settings: &BakeSettings) -> (f64, f64) {
     let (mut lost, mut own) = (0.0, 0.0);
     for (i, e) in light.elements.iter().enumerate() {
         lost += 1.0 - light.row_sum(i);
         let entries = light.row(i).into_iter().zip(&light.elements);
-        own += entries.map(|(f, to)| f * f64::from(u8::from(to.object == e.object))).sum::<f64>();
+        own += entries
+            .map(|(f, to)| f * f64::from(u8::from(to.object == e.object)))
+            .sum::<f64>();
     }
-    (lost, own)
+    let rays = f64::from(settings.element_rays);
+    (lost * rays, own * rays)
+}
+
+/// Whether a scene without gaps is tight: a point within 10⁻⁷ of an edge may be rounded to the other
+/// side of it, so that of a million rays one may get out.
+pub(crate) fn tight(light: &ElementLight, settings: &BakeSettings) -> bool {
+    let rays = light.elements.len() as f64 * f64::from(settings.element_rays);
+    let sums = (0..light.elements.len()).map(|e| light.row_sum(e));
+    let lost: f64 = sums.map(|sum| 1.0 - sum).sum();
+    lost * f64::from(settings.element_rays) <= (1e-6 * rays).max(1.0)
 }
 
 /// How far the radiosity of an element is from 1 at most, in a scene where it is 1 everywhere.
 pub(crate) fn furthest_from_one(light: &ElementLight) -> f64 {
-    let errors = light.elements.iter().map(|e| apart(e.radiosity.x.into(), 1.0));
+    let errors = light
+        .elements
+        .iter()
+        .map(|e| apart(e.radiosity.x.into(), 1.0));
     errors.fold(0.0, f64::max)
 }
