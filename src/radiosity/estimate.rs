@@ -2,15 +2,16 @@ use std::time::Instant;
 
 use super::bake::BakeError;
 use super::bvh::BvhQuality;
-use super::element::{ElementId, Elements};
-use super::form_factor::FormFactors;
-use super::observer::{Observer, Stage};
-use super::occlusion::{Hierarchy, Holds, OFFSET, Occluders};
-use super::parallel::map_ranges;
+use super::element::Elements;
+use super::emitter::Emitters;
+use super::emitter_tree::EmitterTree;
+use super::form_factor::{FormFactors, View};
+use super::observer::Observer;
+use super::occlusion::{Hierarchy, Holds, Occluders};
 use super::receiver_mesh::ReceiverMeshes;
-use super::sampling::{cosine_hemisphere, frame, sobol};
 use super::settings::BakeSettings;
 use super::solve::Solver;
+use super::speed::{seconds_of_rows, seconds_per_ray};
 use super::surface::{Pyramids, Surfaces};
 use super::triangle::area;
 use super::validate::ValidScene;
@@ -44,11 +45,6 @@ const SPLIT_TRIANGLES: f64 = 5.0;
 /// Time a bake spends beside its rays, as a share of the time for them.
 const OVERHEAD: f64 = 1.15;
 
-/// Places that the speed of rays is measured at, and rays from each.
-const PLACES: usize = 512;
-const RAYS: usize = 64;
-const ROUNDS: u32 = 4;
-
 /// Counts what a bake would have, without doing any of it: fast, and rough where edges are split.
 pub fn estimate_counts(scene: &ValidScene, settings: &BakeSettings) -> Estimate {
     let (vertices, triangles) = mesh_size(scene, settings);
@@ -66,7 +62,8 @@ pub fn estimate_counts(scene: &ValidScene, settings: &BakeSettings) -> Estimate 
     estimate
 }
 
-/// Estimates what a bake would take, splitting the mesh and measuring the speed of rays.
+/// Estimates what a bake would take, splitting the mesh and measuring the speed of rays, and of
+/// form factors that are not made of rays.
 ///
 /// # Errors
 ///
@@ -97,11 +94,22 @@ pub fn estimate(
     );
     let hierarchy = Hierarchy::new(scene, &surfaces, Holds::Casting, BvhQuality::Best);
     let occluders = Occluders::new(&hierarchy, &surfaces);
+    let tree = EmitterTree::new(scene, &elements, &occluders, settings, observer)?;
     let set_up = started.elapsed().as_secs_f64();
     estimate.elements = elements.len() as u64;
-    let per_ray = seconds_per_ray(scene, &elements, &occluders, observer)?;
+    let emitters = Emitters::at_elements(&tree, settings);
+    let view = View {
+        scene,
+        occluders,
+        elements: &elements,
+        emitters,
+        marks: &emitters.marks(&elements),
+        settings,
+        remember: false,
+    };
     let rays = estimate.rays as f64 + estimate.shadow_rays as f64;
-    estimate.seconds = set_up + OVERHEAD * per_ray * rays;
+    let tracing = OVERHEAD * seconds_per_ray(&view, observer)? * rays;
+    estimate.seconds = set_up + tracing + seconds_of_rows(&view, observer)?;
     Ok(estimate)
 }
 
@@ -199,50 +207,6 @@ fn matrix_bytes(settings: &BakeSettings, elements: u64) -> u64 {
             Solver::ConjugateGradients => 8 * (2 * entries).min(elements * elements),
             _ => 0,
         }
-}
-
-/// Wall time of a ray with all threads at work: the fastest of a few rounds, the first of which
-/// finds caches cold and threads asleep.
-fn seconds_per_ray(
-    scene: &ValidScene,
-    elements: &Elements,
-    occluders: &Occluders,
-    observer: &dyn Observer,
-) -> Result<f64, BakeError> {
-    let step = (elements.len() / PLACES).max(1);
-    let places = elements.len() / step;
-    let mut best = f64::INFINITY;
-    for _ in 0..ROUNDS {
-        let started = Instant::now();
-        map_ranges(places, 8, Stage::Occlusion, observer, |range| {
-            let places = range.map(|i| ElementId((i * step) as u32));
-            places
-                .map(|e| probe(scene, elements, occluders, e))
-                .sum::<usize>()
-        })?;
-        best = best.min(started.elapsed().as_secs_f64());
-    }
-    Ok(best / (places * RAYS).max(1) as f64)
-}
-
-/// Rays from one place on an element, as the bake gathers them. Returns how many hit something.
-fn probe(
-    scene: &ValidScene,
-    elements: &Elements,
-    occluders: &Occluders,
-    element: ElementId,
-) -> usize {
-    let seed = elements.seed(element, 0xE571);
-    let point = elements.point(scene, element, 0.5, 0.5);
-    let origin = point.position + point.normal * OFFSET;
-    let around = frame(point.normal);
-    let hits = (0..RAYS).filter(|&i| {
-        let [u, v, ..] = sobol(i as u32, 0, seed);
-        let direction = around * cosine_hemisphere(u, v);
-        let hit = occluders.closest(origin, direction, point.triangle, seed);
-        hit.is_some()
-    });
-    hits.count()
 }
 
 #[cfg(test)]
