@@ -75,13 +75,14 @@ pub fn estimate(
 ) -> Result<Estimate, BakeError> {
     settings.check()?;
     let mut estimate = estimate_counts(scene, settings);
+    let mut split = None;
     if estimate.vertices < TRY_VERTICES {
         let receivers = ReceiverMeshes::new(scene, settings.max_edge, None)?;
         estimate.vertices = receivers.vertex_count() as u64;
         let triangles = receivers.meshes.iter().map(|m| m.triangles.len() as u64);
-        let triangles = triangles.sum();
+        let triangles: u64 = triangles.sum();
         drop(receivers);
-        estimate.count_rays(scene, settings, triangles);
+        split = Some(triangles);
     }
     let started = Instant::now();
     let pyramids = Pyramids::new(scene, None);
@@ -97,6 +98,8 @@ pub fn estimate(
     let tree = EmitterTree::new(scene, &elements, &occluders, settings, observer)?;
     let set_up = started.elapsed().as_secs_f64();
     estimate.elements = elements.len() as u64;
+    let triangles = split.unwrap_or_else(|| mesh_size(scene, settings).1);
+    estimate.count_rays(scene, settings, triangles);
     let emitters = Emitters::at_elements(&tree, settings);
     let view = View {
         scene,
@@ -181,32 +184,45 @@ fn bytes(scene: &ValidScene, settings: &BakeSettings, counts: &Estimate, triangl
         + PER_TEXEL * texels as u64
 }
 
-/// Bytes of the form-factor matrix while it is made, and of what the solver makes of it.
+/// Bytes of the form-factor matrix and of what the solver makes of it, at the peak.
 fn matrix_bytes(settings: &BakeSettings, elements: u64) -> u64 {
-    // Bytes, and entries at most.
-    let (bytes, entries) = match settings.form_factors {
+    const ROW_HEAD: u64 = 64;
+    let pairs = elements * elements;
+    // Sparse or dense, whichever is smaller.
+    let rows = |entries: u64| (8 * entries).min(4 * pairs) + ROW_HEAD * elements;
+    // Bytes while it is made and afterwards, and entries.
+    let (made, kept, entries) = match settings.form_factors {
+        // Chunks of it, and the list they are joined to.
         FormFactors::HitList => {
             let rays = u64::from(settings.element_rays) * elements;
-            (8 * rays, rays)
+            (8 * rays, 4 * rays, rays)
         }
+        // Rows are kept as they are found.
         FormFactors::Hemicube { resolution } => {
-            let pixels = 3 * u64::from(resolution).pow(2);
-            let entries = elements * pixels.min(elements);
-            (8 * entries, entries)
+            let entries = elements * shown(elements, resolution);
+            (rows(entries), rows(entries), entries)
         }
+        // Each pair once, and the rows they are put into.
         FormFactors::Analytic { .. } | FormFactors::AreaSampling { .. } => {
-            let pairs = elements * elements;
-            (4 * pairs, pairs)
+            (rows(pairs) + 2 * pairs, rows(pairs), pairs)
         }
     };
-    bytes
-        + match settings.solver {
-            // Columns beside the rows.
-            Solver::ProgressiveRefinement => 8 * entries,
-            // The mean of the matrix and its transpose, in twice the entries at most.
-            Solver::ConjugateGradients => 8 * (2 * entries).min(elements * elements),
-            _ => 0,
-        }
+    let solving = match settings.solver {
+        // Columns beside the rows.
+        Solver::ProgressiveRefinement => rows(entries),
+        // Columns, and the mean of rows and columns: twice the entries at most.
+        Solver::ConjugateGradients => rows(entries) + 8 * (2 * entries).min(pairs),
+        _ => 0,
+    };
+    made.max(kept + solving)
+}
+
+/// Elements that a hemicube shows, at most: as many as pixels that fall at random on elements of one
+/// size would find. Some look larger than others, and those take pixels from them. The most open of
+/// rooms, a cube seen from its walls, shows 0.7 of it.
+fn shown(elements: u64, resolution: u32) -> u64 {
+    let (elements, pixels) = (elements as f64, 3.0 * f64::from(resolution).powi(2));
+    (elements * -(-pixels / elements.max(1.0)).exp_m1()).ceil() as u64
 }
 
 #[cfg(test)]
@@ -214,7 +230,10 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::radiosity::{Material, MaterialId, Object, Scene};
+    use crate::radiosity::baker_test::{quad, room};
+    use crate::radiosity::pipeline::run;
+    use crate::radiosity::stages::Start;
+    use crate::radiosity::{Light, LightKind, Material, MaterialId, Object, Scene};
 
     fn floor() -> ValidScene {
         let scene = Scene {
@@ -264,5 +283,79 @@ mod tests {
             ..BakeSettings::FINAL
         };
         assert!(estimate_counts(&floor(), &settings).bytes > 1 << 40);
+    }
+
+    /// A cube seen from inside, which has no corner that is hidden from another.
+    fn cube() -> ValidScene {
+        let [x, y, z] = Vec3::AXES;
+        let lamp = LightKind::Point {
+            position: Vec3::splat(0.4),
+            range: f32::INFINITY,
+        };
+        let faces = [
+            [Vec3::ZERO, z, x],
+            [y, x, z],
+            [Vec3::ZERO, y, z],
+            [x, z, y],
+            [Vec3::ZERO, x, y],
+            [z, y, x],
+        ];
+        let scene = Scene {
+            objects: (1..).zip(faces).map(|(k, f)| quad(k, f, 1, 0)).collect(),
+            materials: vec![Material::default()],
+            lights: vec![Light {
+                kind: lamp,
+                power: Vec3::ONE,
+                ..Light::default()
+            }],
+            ..Scene::default()
+        };
+        scene.validate().unwrap()
+    }
+
+    /// Nothing a bake holds of the matrix is beyond the estimate, and of a scene where all elements
+    /// see each other the estimate is not far above it either.
+    #[test]
+    fn matrices_hold_no_more_than_estimated() {
+        let form_factors = [
+            FormFactors::HitList,
+            FormFactors::Hemicube { resolution: 16 },
+            FormFactors::Hemicube { resolution: 64 },
+            FormFactors::Analytic { visibility_rays: 1 },
+            FormFactors::AreaSampling { samples: 1 },
+        ];
+        let solvers = [
+            Solver::GaussSeidelMeanField,
+            Solver::ProgressiveRefinement,
+            Solver::ConjugateGradients,
+        ];
+        let scenes = [(room().validate().unwrap(), 150), (cube(), 500)];
+        for (scene, elements) in &scenes {
+            for form_factors in form_factors {
+                for solver in solvers {
+                    let settings = BakeSettings {
+                        elements: *elements,
+                        form_factors,
+                        solver,
+                        gather_rays: 1,
+                        ..BakeSettings::DRAFT
+                    };
+                    let (bake, stages) = run(scene, &settings, Start::default(), &()).unwrap();
+                    let held = stages.traced.rows.bytes() + bake.report.solver.bytes;
+                    let estimated = matrix_bytes(&settings, stages.elements.len() as u64);
+                    let what = format!("{form_factors:?}, {solver:?}: {held} of {estimated}");
+                    assert!(held <= estimated, "{what}");
+                    // A hit list is held twice while it is made, and pairs half again. Conjugate
+                    // gradients hold columns only while they make their rows.
+                    let times = if solver == Solver::ConjugateGradients {
+                        4
+                    } else {
+                        3
+                    };
+                    let all_seen = *elements == 500;
+                    assert!(!all_seen || estimated <= times * held, "{what}");
+                }
+            }
+        }
     }
 }
