@@ -21,7 +21,7 @@ const SETTINGS: BakeSettings = BakeSettings {
 };
 
 /// The quad `a`, `a + u`, `a + u + v`, `a + v` in `n × n` cells, facing `u × v`.
-fn quad(key: u64, [a, u, v]: [Vec3; 3], n: u32, material: u32) -> Object {
+pub(super) fn quad(key: u64, [a, u, v]: [Vec3; 3], n: u32, material: u32) -> Object {
     let mut object = Object {
         name: format!("object {key}"),
         key,

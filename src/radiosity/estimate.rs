@@ -2,15 +2,16 @@ use std::time::Instant;
 
 use super::bake::BakeError;
 use super::bvh::BvhQuality;
-use super::element::{ElementId, Elements};
-use super::form_factor::FormFactors;
-use super::observer::{Observer, Stage};
-use super::occlusion::{Hierarchy, Holds, OFFSET, Occluders};
-use super::parallel::map_ranges;
+use super::element::Elements;
+use super::emitter::Emitters;
+use super::emitter_tree::EmitterTree;
+use super::form_factor::{FormFactors, View};
+use super::observer::Observer;
+use super::occlusion::{Hierarchy, Holds, Occluders};
 use super::receiver_mesh::ReceiverMeshes;
-use super::sampling::{cosine_hemisphere, frame, sobol};
 use super::settings::BakeSettings;
 use super::solve::Solver;
+use super::speed::{seconds_of_rows, seconds_per_ray};
 use super::surface::{Pyramids, Surfaces};
 use super::triangle::area;
 use super::validate::ValidScene;
@@ -44,11 +45,6 @@ const SPLIT_TRIANGLES: f64 = 5.0;
 /// Time a bake spends beside its rays, as a share of the time for them.
 const OVERHEAD: f64 = 1.15;
 
-/// Places that the speed of rays is measured at, and rays from each.
-const PLACES: usize = 512;
-const RAYS: usize = 64;
-const ROUNDS: u32 = 4;
-
 /// Counts what a bake would have, without doing any of it: fast, and rough where edges are split.
 pub fn estimate_counts(scene: &ValidScene, settings: &BakeSettings) -> Estimate {
     let (vertices, triangles) = mesh_size(scene, settings);
@@ -66,7 +62,8 @@ pub fn estimate_counts(scene: &ValidScene, settings: &BakeSettings) -> Estimate 
     estimate
 }
 
-/// Estimates what a bake would take, splitting the mesh and measuring the speed of rays.
+/// Estimates what a bake would take, splitting the mesh and measuring the speed of rays, and of
+/// form factors that are not made of rays.
 ///
 /// # Errors
 ///
@@ -78,13 +75,14 @@ pub fn estimate(
 ) -> Result<Estimate, BakeError> {
     settings.check()?;
     let mut estimate = estimate_counts(scene, settings);
+    let mut split = None;
     if estimate.vertices < TRY_VERTICES {
         let receivers = ReceiverMeshes::new(scene, settings.max_edge, None)?;
         estimate.vertices = receivers.vertex_count() as u64;
         let triangles = receivers.meshes.iter().map(|m| m.triangles.len() as u64);
-        let triangles = triangles.sum();
+        let triangles: u64 = triangles.sum();
         drop(receivers);
-        estimate.count_rays(scene, settings, triangles);
+        split = Some(triangles);
     }
     let started = Instant::now();
     let pyramids = Pyramids::new(scene, None);
@@ -97,11 +95,24 @@ pub fn estimate(
     );
     let hierarchy = Hierarchy::new(scene, &surfaces, Holds::Casting, BvhQuality::Best);
     let occluders = Occluders::new(&hierarchy, &surfaces);
+    let tree = EmitterTree::new(scene, &elements, &occluders, settings, observer)?;
     let set_up = started.elapsed().as_secs_f64();
     estimate.elements = elements.len() as u64;
-    let per_ray = seconds_per_ray(scene, &elements, &occluders, observer)?;
+    let triangles = split.unwrap_or_else(|| mesh_size(scene, settings).1);
+    estimate.count_rays(scene, settings, triangles);
+    let emitters = Emitters::at_elements(&tree, settings);
+    let view = View {
+        scene,
+        occluders,
+        elements: &elements,
+        emitters,
+        marks: &emitters.marks(&elements),
+        settings,
+        remember: false,
+    };
     let rays = estimate.rays as f64 + estimate.shadow_rays as f64;
-    estimate.seconds = set_up + OVERHEAD * per_ray * rays;
+    let tracing = OVERHEAD * seconds_per_ray(&view, observer)? * rays;
+    estimate.seconds = set_up + tracing + seconds_of_rows(&view, observer)?;
     Ok(estimate)
 }
 
@@ -173,76 +184,45 @@ fn bytes(scene: &ValidScene, settings: &BakeSettings, counts: &Estimate, triangl
         + PER_TEXEL * texels as u64
 }
 
-/// Bytes of the form-factor matrix while it is made, and of what the solver makes of it.
+/// Bytes of the form-factor matrix and of what the solver makes of it, at the peak.
 fn matrix_bytes(settings: &BakeSettings, elements: u64) -> u64 {
-    // Bytes, and entries at most.
-    let (bytes, entries) = match settings.form_factors {
+    const ROW_HEAD: u64 = 64;
+    let pairs = elements * elements;
+    // Sparse or dense, whichever is smaller.
+    let rows = |entries: u64| (8 * entries).min(4 * pairs) + ROW_HEAD * elements;
+    // Bytes while it is made and afterwards, and entries.
+    let (made, kept, entries) = match settings.form_factors {
+        // Chunks of it, and the list they are joined to.
         FormFactors::HitList => {
             let rays = u64::from(settings.element_rays) * elements;
-            (8 * rays, rays)
+            (8 * rays, 4 * rays, rays)
         }
+        // Rows are kept as they are found.
         FormFactors::Hemicube { resolution } => {
-            let pixels = 3 * u64::from(resolution).pow(2);
-            let entries = elements * pixels.min(elements);
-            (8 * entries, entries)
+            let entries = elements * shown(elements, resolution);
+            (rows(entries), rows(entries), entries)
         }
+        // Each pair once, and the rows they are put into.
         FormFactors::Analytic { .. } | FormFactors::AreaSampling { .. } => {
-            let pairs = elements * elements;
-            (4 * pairs, pairs)
+            (rows(pairs) + 2 * pairs, rows(pairs), pairs)
         }
     };
-    bytes
-        + match settings.solver {
-            // Columns beside the rows.
-            Solver::ProgressiveRefinement => 8 * entries,
-            // The mean of the matrix and its transpose, in twice the entries at most.
-            Solver::ConjugateGradients => 8 * (2 * entries).min(elements * elements),
-            _ => 0,
-        }
+    let solving = match settings.solver {
+        // Columns beside the rows.
+        Solver::ProgressiveRefinement => rows(entries),
+        // Columns, and the mean of rows and columns: twice the entries at most.
+        Solver::ConjugateGradients => rows(entries) + 8 * (2 * entries).min(pairs),
+        _ => 0,
+    };
+    made.max(kept + solving)
 }
 
-/// Wall time of a ray with all threads at work: the fastest of a few rounds, the first of which
-/// finds caches cold and threads asleep.
-fn seconds_per_ray(
-    scene: &ValidScene,
-    elements: &Elements,
-    occluders: &Occluders,
-    observer: &dyn Observer,
-) -> Result<f64, BakeError> {
-    let step = (elements.len() / PLACES).max(1);
-    let places = elements.len() / step;
-    let mut best = f64::INFINITY;
-    for _ in 0..ROUNDS {
-        let started = Instant::now();
-        map_ranges(places, 8, Stage::Occlusion, observer, |range| {
-            let places = range.map(|i| ElementId((i * step) as u32));
-            places
-                .map(|e| probe(scene, elements, occluders, e))
-                .sum::<usize>()
-        })?;
-        best = best.min(started.elapsed().as_secs_f64());
-    }
-    Ok(best / (places * RAYS).max(1) as f64)
-}
-
-/// Rays from one place on an element, as the bake gathers them. Returns how many hit something.
-fn probe(
-    scene: &ValidScene,
-    elements: &Elements,
-    occluders: &Occluders,
-    element: ElementId,
-) -> usize {
-    let seed = elements.seed(element, 0xE571);
-    let point = elements.point(scene, element, 0.5, 0.5);
-    let origin = point.position + point.normal * OFFSET;
-    let around = frame(point.normal);
-    let hits = (0..RAYS).filter(|&i| {
-        let [u, v, ..] = sobol(i as u32, 0, seed);
-        let direction = around * cosine_hemisphere(u, v);
-        let hit = occluders.closest(origin, direction, point.triangle, seed);
-        hit.is_some()
-    });
-    hits.count()
+/// Elements that a hemicube shows, at most: as many as pixels that fall at random on elements of one
+/// size would find. Some look larger than others, and those take pixels from them. The most open of
+/// rooms, a cube seen from its walls, shows 0.7 of it.
+fn shown(elements: u64, resolution: u32) -> u64 {
+    let (elements, pixels) = (elements as f64, 3.0 * f64::from(resolution).powi(2));
+    (elements * -(-pixels / elements.max(1.0)).exp_m1()).ceil() as u64
 }
 
 #[cfg(test)]
@@ -250,7 +230,10 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::radiosity::{Material, MaterialId, Object, Scene};
+    use crate::radiosity::baker_test::{quad, room};
+    use crate::radiosity::pipeline::run;
+    use crate::radiosity::stages::Start;
+    use crate::radiosity::{Light, LightKind, Material, MaterialId, Object, Scene};
 
     fn floor() -> ValidScene {
         let scene = Scene {
@@ -300,5 +283,79 @@ mod tests {
             ..BakeSettings::FINAL
         };
         assert!(estimate_counts(&floor(), &settings).bytes > 1 << 40);
+    }
+
+    /// A cube seen from inside, which has no corner that is hidden from another.
+    fn cube() -> ValidScene {
+        let [x, y, z] = Vec3::AXES;
+        let lamp = LightKind::Point {
+            position: Vec3::splat(0.4),
+            range: f32::INFINITY,
+        };
+        let faces = [
+            [Vec3::ZERO, z, x],
+            [y, x, z],
+            [Vec3::ZERO, y, z],
+            [x, z, y],
+            [Vec3::ZERO, x, y],
+            [z, y, x],
+        ];
+        let scene = Scene {
+            objects: (1..).zip(faces).map(|(k, f)| quad(k, f, 1, 0)).collect(),
+            materials: vec![Material::default()],
+            lights: vec![Light {
+                kind: lamp,
+                power: Vec3::ONE,
+                ..Light::default()
+            }],
+            ..Scene::default()
+        };
+        scene.validate().unwrap()
+    }
+
+    /// Nothing a bake holds of the matrix is beyond the estimate, and of a scene where all elements
+    /// see each other the estimate is not far above it either.
+    #[test]
+    fn matrices_hold_no_more_than_estimated() {
+        let form_factors = [
+            FormFactors::HitList,
+            FormFactors::Hemicube { resolution: 16 },
+            FormFactors::Hemicube { resolution: 64 },
+            FormFactors::Analytic { visibility_rays: 1 },
+            FormFactors::AreaSampling { samples: 1 },
+        ];
+        let solvers = [
+            Solver::GaussSeidelMeanField,
+            Solver::ProgressiveRefinement,
+            Solver::ConjugateGradients,
+        ];
+        let scenes = [(room().validate().unwrap(), 150), (cube(), 500)];
+        for (scene, elements) in &scenes {
+            for form_factors in form_factors {
+                for solver in solvers {
+                    let settings = BakeSettings {
+                        elements: *elements,
+                        form_factors,
+                        solver,
+                        gather_rays: 1,
+                        ..BakeSettings::DRAFT
+                    };
+                    let (bake, stages) = run(scene, &settings, Start::default(), &()).unwrap();
+                    let held = stages.traced.rows.bytes() + bake.report.solver.bytes;
+                    let estimated = matrix_bytes(&settings, stages.elements.len() as u64);
+                    let what = format!("{form_factors:?}, {solver:?}: {held} of {estimated}");
+                    assert!(held <= estimated, "{what}");
+                    // A hit list is held twice while it is made, and pairs half again. Conjugate
+                    // gradients hold columns only while they make their rows.
+                    let times = if solver == Solver::ConjugateGradients {
+                        4
+                    } else {
+                        3
+                    };
+                    let all_seen = *elements == 500;
+                    assert!(!all_seen || estimated <= times * held, "{what}");
+                }
+            }
+        }
     }
 }

@@ -47,7 +47,7 @@
 //! | `bake`, `baker` | the doors: once, and again after every change |
 //! | `identity`, `change`, `bounds` | what differs from the scene before, and which rays it touched |
 //! | `findings`, `report` | what it cost and how good it is |
-//! | `estimate` | what it will cost |
+//! | `estimate`, `speed` | what it will cost |
 //! | `preview` | a picture to judge it by |
 
 mod bake;
@@ -90,6 +90,7 @@ mod sampling_error;
 mod scene;
 mod settings;
 mod solve;
+mod speed;
 mod stages;
 mod surface;
 mod texture;

@@ -53,6 +53,18 @@ pub(crate) fn map_chunks<T: Send>(
     })
 }
 
+/// How many ranges are worked on at a time.
+#[cfg(feature = "parallel")]
+pub(crate) fn threads() -> usize {
+    rayon::current_num_threads()
+}
+
+/// How many ranges are worked on at a time.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn threads() -> usize {
+    1
+}
+
 #[cfg(feature = "parallel")]
 fn map_ordered<T: Send>(count: usize, run: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
     use rayon::prelude::*;

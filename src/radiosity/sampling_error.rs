@@ -47,6 +47,15 @@ const DIRECT: (usize, usize, usize) = (8, 256, 1024);
 /// The same of form factors, which take longer the second time than the first.
 const BOUNCED: (usize, usize, usize) = (24, 64, 256);
 
+/// How many of so many elements find form factors that are not made of rays once more.
+pub(crate) fn judged_again(elements: usize) -> usize {
+    asked(elements, BOUNCED)
+}
+
+fn asked(elements: usize, (one_of, least, most): (usize, usize, usize)) -> usize {
+    (elements / one_of).clamp(least, most).min(elements)
+}
+
 /// Elements a thread takes at a time, of those asked again and of all.
 const CHUNK: usize = 4;
 const MANY: usize = 256;
@@ -132,9 +141,9 @@ impl Judge<'_> {
     }
 
     /// One element of every stretch of the list, at random.
-    fn chosen(&self, (one_of, least, most): (usize, usize, usize)) -> Vec<usize> {
+    fn chosen(&self, how_many: (usize, usize, usize)) -> Vec<usize> {
         let count = self.view.elements.len();
-        let asked = (count / one_of).clamp(least, most).min(count);
+        let asked = asked(count, how_many);
         let first = |i: usize| i * count / asked.max(1);
         (0..asked)
             .map(|i| {
