@@ -190,31 +190,31 @@ fn matrix_bytes(settings: &BakeSettings, elements: u64) -> u64 {
     let pairs = elements * elements;
     // Sparse or dense, whichever is smaller.
     let rows = |entries: u64| (8 * entries).min(4 * pairs) + ROW_HEAD * elements;
-    // Bytes while it is made and afterwards, and entries.
-    let (made, kept, entries) = match settings.form_factors {
+    // Bytes while it is made, and entries. What is freed then, in many parts, does not come back for
+    // what the solver makes.
+    let (made, entries) = match settings.form_factors {
         // Chunks of it, and the list they are joined to.
         FormFactors::HitList => {
             let rays = u64::from(settings.element_rays) * elements;
-            (8 * rays, 4 * rays, rays)
+            (8 * rays, rays)
         }
         // Rows are kept as they are found.
         FormFactors::Hemicube { resolution } => {
             let entries = elements * shown(elements, resolution);
-            (rows(entries), rows(entries), entries)
+            (rows(entries), entries)
         }
         // Each pair once, and the rows they are put into.
         FormFactors::Analytic { .. } | FormFactors::AreaSampling { .. } => {
-            (rows(pairs) + 2 * pairs, rows(pairs), pairs)
+            (rows(pairs) + 2 * pairs, pairs)
         }
     };
-    let solving = match settings.solver {
+    made + match settings.solver {
         // Columns beside the rows.
         Solver::ProgressiveRefinement => rows(entries),
         // Columns, and the mean of rows and columns: twice the entries at most.
         Solver::ConjugateGradients => rows(entries) + 8 * (2 * entries).min(pairs),
         _ => 0,
-    };
-    made.max(kept + solving)
+    }
 }
 
 /// Elements that a hemicube shows, at most: as many as pixels that fall at random on elements of one
