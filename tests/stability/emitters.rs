@@ -124,7 +124,6 @@ fn dim_light_beside_bright_light() {
 
 /// All light in both, within 2 %.
 #[test]
-#[ignore = "the mean-field correction adds the same light to both rooms"]
 fn bounced_dim_light_beside_bright_light() {
     let (_, all, _) = errors_of_dim_and_bright(&BakeSettings::FINAL);
     assert!(all.iter().all(|&e| e < 0.02), "{all:?}");

@@ -65,7 +65,7 @@ pub(crate) fn solve(
     let mut drive = Drive::new(settings, watch);
     let ended = match solver {
         Solver::GaussSeidelMeanField => {
-            drive.run(system, Relaxation::with_mean_field(system, watch)?, start)?
+            drive.run(system, Relaxation::with_mean_field(system), start)?
         }
         Solver::GaussSeidel => drive.run(system, Relaxation::new(system, 1.0), start)?,
         Solver::Jacobi => drive.run(system, Jacobi { system }, start)?,
@@ -82,7 +82,7 @@ pub(crate) fn solve(
         Ended::Growing(best) => {
             drive.report.fell_back = Some(solver);
             drive.report.solver = Solver::GaussSeidelMeanField;
-            let cure = Relaxation::with_mean_field(system, watch)?;
+            let cure = Relaxation::with_mean_field(system);
             drive.run(system, cure, best.reflected)?.best()
         }
     };

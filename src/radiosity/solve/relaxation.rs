@@ -1,11 +1,11 @@
-use glam::{DVec3, Vec3A};
+use glam::{BVec3, DVec3, Vec3, Vec3A};
 
 use crate::radiosity::color::divide;
 use crate::radiosity::parallel::Cancelled;
 
 use super::drive::Method;
 use super::glimpse::Watch;
-use super::system::{State, System, map_elements};
+use super::system::{State, System};
 
 /// Elements relaxed before asking whether to go on: a few milliseconds' work.
 const BETWEEN_QUESTIONS: usize = 4096;
@@ -34,40 +34,51 @@ impl Method for Jacobi<'_> {
 ///
 /// A row sums to at most 1 and ρ < 1, so with `omega` 1, Gauss–Seidel, it always converges, but
 /// slowly where light bounces often. So a *mean-field* correction may come before each sweep: the
-/// multiple `c` of ρ that, added everywhere, makes the area-weighted sum of the residual `r`
-/// vanish,
+/// factor `a` on all reflected light that makes the area-weighted sum of the residual
+/// `r = ρ (D + F R) − R` vanish,
 ///
 /// ```text
-///   R ← R + c ρ     Σ A r = c Σ A ρ (1 − F ρ)     (one channel at a time)
+///   R ← a R     Σ A ρ D = a Σ A (R − ρ F R) = a (Σ A ρ D − Σ A r)     (one channel at a time)
 ///   ┌─────────────────────────────────────┐
-///   │  c = Σ A r / Σ A ρ (1 − F ρ)        │
+///   │  a = Σ A ρ D / (Σ A ρ D − Σ A r)    │
 ///   └─────────────────────────────────────┘
 /// ```
 ///
-/// which removes the slowest mode, light that is everywhere too low by the same factor.
+/// which removes the slowest mode, light that is everywhere too low by the same factor. As a factor
+/// it brings no light to where there is none: a dark room beside a bright one stays dark.
+///
+/// Where elements are few and the matrix is far from reciprocal, corrections and sweeps can undo each
+/// other in turn. So if the residual has grown [`PATIENCE`] times, sweeps go on alone, which converge.
 pub(super) struct Relaxation<'a> {
     system: System<'a>,
     omega: f64,
-    /// `Σ A ρ (1 − F ρ)`, if there is to be a correction.
-    mean_field_gain: Option<DVec3>,
+    /// `Σ A ρ D`, if there is to be a correction.
+    brought: Option<DVec3>,
+    /// The largest residual before the last sweep, and how often it has grown.
+    last_residual: f64,
+    grown: u32,
 }
+
+/// How often the residual may grow before there are no more corrections.
+const PATIENCE: u32 = 3;
 
 impl<'a> Relaxation<'a> {
     pub(super) fn new(system: System<'a>, omega: f64) -> Self {
         Self {
             system,
             omega,
-            mean_field_gain: None,
+            brought: None,
+            last_residual: f64::INFINITY,
+            grown: 0,
         }
     }
 
     /// Gauss–Seidel with the correction.
-    pub(super) fn with_mean_field(system: System<'a>, watch: &Watch) -> Result<Self, Cancelled> {
-        Ok(Self {
-            system,
-            omega: 1.0,
-            mean_field_gain: Some(mean_field_gain(&system, watch)?),
-        })
+    pub(super) fn with_mean_field(system: System<'a>) -> Self {
+        Self {
+            brought: Some(brought(&system)),
+            ..Self::new(system, 1.0)
+        }
     }
 }
 
@@ -78,12 +89,11 @@ impl Method for Relaxation<'_> {
         reflected: &mut [Vec3A],
         watch: &Watch,
     ) -> Result<(), Cancelled> {
-        if let Some(gain) = self.mean_field_gain {
-            let correction = divide(now.residual_sum, gain);
-            let reflectance = &self.system.elements.reflectance;
-            for (r, rho) in reflected.iter_mut().zip(reflectance) {
-                *r = (*r + Vec3A::from(correction * *rho)).max(Vec3A::ZERO);
-            }
+        self.grown += u32::from(now.largest_residual > self.last_residual);
+        self.last_residual = now.largest_residual;
+        if let Some(brought) = self.brought.filter(|_| self.grown < PATIENCE) {
+            let factor = mean_field(brought, now.residual_sum);
+            reflected.iter_mut().for_each(|r| *r *= factor);
         }
         for e in 0..reflected.len() {
             let mut next = self.system.reflect(e, reflected);
@@ -105,14 +115,18 @@ impl Method for Relaxation<'_> {
     }
 }
 
-/// Σ A ρ (1 − F ρ).
-fn mean_field_gain(system: &System, watch: &Watch) -> Result<DVec3, Cancelled> {
+/// Σ A ρ D.
+fn brought(system: &System) -> DVec3 {
     let elements = system.elements;
-    let rho: Vec<Vec3A> = elements.reflectance.iter().map(|&r| r.into()).collect();
-    let gain = |e: usize| {
-        let lost = DVec3::ONE - system.rows.gather(e, &rho);
-        rho[e].as_dvec3() * lost * f64::from(elements.area[e])
-    };
-    let parts = map_elements(rho.len(), watch, |range| range.map(gain).sum::<DVec3>())?;
-    Ok(parts.into_iter().sum())
+    let lit = elements.iter_area().zip(system.direct).enumerate();
+    lit.map(|(e, (area, direct))| system.reflectance(e) * direct.as_dvec3() * area)
+        .sum()
+}
+
+/// The factor on reflected light; 1 where there is none yet.
+fn mean_field(brought: DVec3, residual: DVec3) -> Vec3A {
+    let left = brought - residual;
+    let factor = divide(brought, left);
+    let known = left.cmpgt(DVec3::ZERO);
+    Vec3::select(BVec3::new(known.x, known.y, known.z), factor, Vec3::ONE).into()
 }
