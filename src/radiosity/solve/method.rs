@@ -5,7 +5,7 @@
 ///
 /// | solver | closed box, ρ = 0.6 / 0.95 / 0.99 | open room | made for |
 /// |---|---|---|---|
-/// | Gauss–Seidel with a mean field | 3 / 3 / 3 | 5 | everything |
+/// | Gauss–Seidel with a mean field | 4 / 6 / 6 | 5 | everything |
 /// | Gauss–Seidel | 9 / 90 / 459 | 7 | comparison |
 /// | Jacobi | 16 / 178 / 916 | 13 | counting bounces |
 /// | over-relaxation, ω = 1.2 | 5 / 59 / 305 | 5 | comparison |
@@ -20,7 +20,7 @@ pub enum Solver {
     /// low by the same factor, which bounces take longest to find, is put in at once. The default.
     ///
     /// A handful of sweeps for any reflectance. Slower where light must cross several rooms that
-    /// see little of each other, for which one factor is too few: 50 sweeps for three rooms in a
+    /// see little of each other, for which one factor is too few: 48 sweeps for three rooms in a
     /// row of ρ = 0.95, where Gauss–Seidel alone takes 88 and conjugate gradients 10.
     #[default]
     GaussSeidelMeanField,
