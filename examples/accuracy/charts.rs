@@ -1,6 +1,7 @@
 //! Which charts are drawn.
 
 use crate::chart::{Axis, Chart, Dot, Guide, STYLES, Series};
+use crate::measure::Cost;
 use crate::methods::{FAMILIES, Family, LAMPS, SOLVERS};
 use crate::metrics::pareto;
 use crate::results::Results;
@@ -103,18 +104,24 @@ fn front(series: &[Series], floor: f64) -> Vec<(f64, f64)> {
     )
 }
 
-/// Methods of finding form factors on a scene.
-fn methods(results: &Results, (subject, size, elements): (&Subject, u32, usize)) -> Chart {
-    let series = FAMILIES.iter().enumerate().map(|(i, family)| {
-        let points = results.of((subject.id, size), family);
-        let at = points.map(|(p, m)| ((m.cost.bounces(), p.error(&m.errors)), p.budget));
+/// A line for each method of finding form factors: its error by a cost.
+fn families(results: &Results, stage: (&str, u32), by: impl Fn(&Cost) -> f64) -> Vec<Series> {
+    let line = |(i, family): (usize, &Family)| {
+        let points = results.of(stage, family);
+        let at = points.map(|(p, m)| ((by(&m.cost), p.error(&m.errors)), p.budget));
         styled(
             i,
             &format!("{} ({})", family.name, family.knob),
             labelled(at.collect()),
         )
-    });
-    let series: Vec<Series> = series.filter(|s| !s.points.is_empty()).collect();
+    };
+    let lines = FAMILIES.iter().enumerate().map(line);
+    lines.filter(|s| !s.points.is_empty()).collect()
+}
+
+/// Methods of finding form factors on a scene.
+fn methods(results: &Results, (subject, size, elements): (&Subject, u32, usize)) -> Chart {
+    let series = families(results, (subject.id, size), Cost::bounces);
     let floor = results
         .reference(subject.id, elements)
         .map_or(0.0, |r| r.floor);
@@ -167,19 +174,7 @@ fn lamps(results: &Results, (subject, size, elements): (&Subject, u32, usize)) -
 }
 
 fn memory(results: &Results, (subject, size, elements): (&Subject, u32, usize)) -> Chart {
-    let series = FAMILIES
-        .iter()
-        .enumerate()
-        .map(|(i, family): (usize, &Family)| {
-            let points = results.of((subject.id, size), family);
-            let at = points.map(|(p, m)| ((m.cost.bytes, p.error(&m.errors)), p.budget));
-            styled(
-                i,
-                &format!("{} ({})", family.name, family.knob),
-                labelled(at.collect()),
-            )
-        });
-    let series: Vec<Series> = series.filter(|s| !s.points.is_empty()).collect();
+    let series = families(results, (subject.id, size), |cost| cost.bytes);
     let floor = results
         .reference(subject.id, elements)
         .map_or(0.0, |r| r.floor);

@@ -74,6 +74,9 @@ pub(crate) struct ElementPoint {
     pub(crate) normal: Vec3,
 }
 
+/// A surface whose front gets less than this share of the light of its back is seen from behind.
+pub(crate) const SEEN_FROM_BEHIND: f64 = 0.02;
+
 /// Points at which the reflectance of a cell is read.
 const TEXTURE_POINTS: usize = 16;
 
@@ -162,6 +165,17 @@ impl Elements {
 
     pub(crate) fn len(&self) -> usize {
         self.area.len()
+    }
+
+    /// Light that arrives at an object's front and back, times area, and their areas.
+    pub(crate) fn light_of_sides(&self, object: usize, arriving: &[Vec3]) -> [(f64, f64); 2] {
+        let mut sums = [(0.0, 0.0); 2];
+        for e in self.of_object(object) {
+            let side = &mut sums[usize::from(self.is_back(e))];
+            side.0 += f64::from(arriving[e].element_sum() * self.area[e]);
+            side.1 += f64::from(self.area[e]);
+        }
+        sums
     }
 
     /// Areas of all elements.

@@ -69,13 +69,8 @@ pub(crate) struct Aids {
 
 impl Aids {
     pub(crate) fn new(scene: &ValidScene) -> Self {
-        let none = |o: &super::scene::Object| vec![NO_TRIANGLE; o.triangles.len()];
-        let mut live: Vec<Vec<u32>> = scene.objects.iter().map(none).collect();
-        for (i, key) in scene.triangles.iter().enumerate() {
-            live[key.object as usize][key.triangle as usize] = i as u32;
-        }
         Self {
-            live,
+            live: scene.live_indices(),
             seeds: object_seeds(scene),
         }
     }
@@ -147,8 +142,7 @@ impl Gather<'_> {
         triangle: usize,
     ) -> Option<Patch<'m>> {
         let corners = mesh.corners(triangle);
-        let source = (mesh.refined.as_ref()).map_or(triangle, |r| r.sources[triangle] as usize);
-        let live = self.aids.live[object][source];
+        let live = self.aids.live[object][mesh.source(triangle)];
         let side = if self.lit_from_behind[object] {
             -1.0
         } else {

@@ -1,7 +1,7 @@
 use glam::{DVec3, Vec3};
 
 use super::baked::ObjectLight;
-use super::occlusion::NO_TRIANGLE;
+use super::element::SEEN_FROM_BEHIND;
 use super::receiver_mesh::ReceiverMeshes;
 use super::solve::Glimpse;
 use super::triangle::area;
@@ -71,26 +71,18 @@ impl<'a> PartialLight<'a> {
     ///
     /// What casts no shadow has no elements, and gets the mean of the scene.
     pub fn objects(&self) -> Vec<ObjectLight> {
-        let light = self.nodal();
-        let meshes = self.receivers.meshes.iter();
-        let at = |unknown: &u32| light[*unknown as usize];
-        meshes
-            .map(|mesh| ObjectLight {
-                mesh: mesh.refined.clone(),
-                light: mesh.unknown.iter().map(at).collect(),
-            })
-            .collect()
+        self.receivers.object_light(&self.nodal())
     }
 
     /// Light by unknown: the mean over the triangles around, by area.
     fn nodal(&self) -> Vec<Vec3> {
         let mut sums = vec![(DVec3::ZERO, 0.0); self.receivers.unknowns];
-        let live = self.live();
+        let live = self.scene.live_indices();
         let ambient = self.ambient();
         for (o, mesh) in self.receivers.meshes.iter().enumerate() {
             let behind = self.seen_from_behind(o);
             for (t, vertices) in mesh.triangles.iter().enumerate() {
-                let source = mesh.refined.as_ref().map_or(t, |r| r.sources[t] as usize);
+                let source = mesh.source(t);
                 let places = self.places(o, t, source);
                 let weight = f64::from(area(mesh.corners(t)));
                 for (&v, uv) in vertices.iter().zip(places) {
@@ -134,38 +126,20 @@ impl<'a> PartialLight<'a> {
         })
     }
 
+    /// The element at a point of a live triangle; none where light passes.
     fn element(&self, live: u32, uv: [f32; 2], behind: bool) -> Option<usize> {
-        if live == NO_TRIANGLE {
+        let key = self.scene.triangles.get(live as usize)?;
+        if !self.scene.casts(*key) {
             return None;
         }
         let elements = self.glimpse.system.elements;
         Some(elements.side_at(live, uv, behind)?.0 as usize)
     }
 
-    /// For each triangle of each object its live index, if it casts: then it has elements.
-    fn live(&self) -> Vec<Vec<u32>> {
-        let objects = self.scene.objects.iter();
-        let mut live: Vec<Vec<u32>> = objects
-            .map(|o| vec![NO_TRIANGLE; o.triangles.len()])
-            .collect();
-        for (i, &key) in self.scene.triangles.iter().enumerate() {
-            if self.scene.casts(key) {
-                live[key.object as usize][key.triangle as usize] = i as u32;
-            }
-        }
-        live
-    }
-
     /// Whether an object's front gets next to no light beside its back: a vertex has one value.
     fn seen_from_behind(&self, object: usize) -> bool {
         let elements = self.glimpse.system.elements;
-        let (mut light, mut areas) = ([0.0; 2], [0.0_f64; 2]);
-        for e in elements.of_object(object) {
-            let side = usize::from(elements.is_back(e));
-            let area = f64::from(elements.area[e]);
-            light[side] += f64::from(self.glimpse.arriving[e].element_sum()) * area;
-            areas[side] += area;
-        }
-        areas[1] > 0.0 && light[0] * areas[1] < 0.02 * light[1] * areas[0]
+        let [front, back] = elements.light_of_sides(object, self.glimpse.arriving);
+        back.1 > 0.0 && front.0 * back.1 < SEEN_FROM_BEHIND * back.0 * front.1
     }
 }

@@ -3,6 +3,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::baked::ObjectLight;
 use super::occlusion::OFFSET;
 use super::triangle::face_normal;
 use super::validate::ValidScene;
@@ -38,6 +39,17 @@ pub(crate) struct ReceiverMesh {
 const SAME_NORMAL: f32 = 0.999_85;
 
 impl ReceiverMeshes {
+    /// The light of all vertices, of that of the unknowns.
+    pub(crate) fn object_light(&self, light: &[Vec3]) -> Vec<ObjectLight> {
+        let of = |u: &u32| light[*u as usize];
+        (self.meshes.iter())
+            .map(|mesh| ObjectLight {
+                light: mesh.unknown.iter().map(of).collect(),
+                mesh: mesh.refined.clone(),
+            })
+            .collect()
+    }
+
     /// Splits edges longer than `max_edge` metres, gives flat-shaded corners vertices of their own,
     /// and finds which vertices share their light: those of one place and one normal in an object,
     /// across texture seams but not across hard edges. Where objects meet, a wall may stand
@@ -108,6 +120,11 @@ impl MeshesBefore<'_> {
 }
 
 impl ReceiverMesh {
+    /// The triangle of the object that a triangle lies on.
+    pub(crate) fn source(&self, triangle: usize) -> usize {
+        (self.refined.as_ref()).map_or(triangle, |r| r.sources[triangle] as usize)
+    }
+
     fn new(
         scene: &ValidScene,
         index: usize,

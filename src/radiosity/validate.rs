@@ -2,6 +2,7 @@ use glam::{DVec3, Vec3};
 
 use super::light::{Light, LightKind};
 use super::mend::{live_triangles, mend_lights, mend_materials, mend_normals};
+use super::occlusion::NO_TRIANGLE;
 use super::scene::{Material, Object, Scene, Texture, TextureRef};
 
 /// Why a scene cannot be baked. Each message names the thing and the cure.
@@ -155,6 +156,16 @@ impl ValidScene {
     pub(crate) fn corners(&self, key: TriangleKey) -> [Vec3; 3] {
         let object = &self.objects[key.object as usize];
         object.triangles[key.triangle as usize].map(|v| object.positions[v as usize])
+    }
+
+    /// For each triangle of each object its live index, or [`NO_TRIANGLE`].
+    pub(crate) fn live_indices(&self) -> Vec<Vec<u32>> {
+        let none = |o: &Object| vec![NO_TRIANGLE; o.triangles.len()];
+        let mut live: Vec<Vec<u32>> = self.objects.iter().map(none).collect();
+        for (i, key) in self.triangles.iter().enumerate() {
+            live[key.object as usize][key.triangle as usize] = i as u32;
+        }
+        live
     }
 
     /// Whether a live triangle stops light.

@@ -4,14 +4,12 @@ use crate::radiosity::bounds::Reach;
 use crate::radiosity::element::ElementId;
 use crate::radiosity::emitter::Receiver;
 use crate::radiosity::observer::{Observer, Stage};
-use crate::radiosity::occlusion::OFFSET;
 use crate::radiosity::parallel::{Cancelled, map_ranges};
 use crate::radiosity::report::FormFactorReport;
-use crate::radiosity::sampling::{cosine_hemisphere, frame, hash, sobol};
 
-use super::View;
 use super::matrix::Matrix;
 use super::traced::{BLACK, GONE, Met, RowsBefore, SKY, Traced};
+use super::{Cast, View};
 
 /// The form-factor matrix as a list of ray hits.
 ///
@@ -212,14 +210,12 @@ impl View<'_> {
 
     /// Traces a ray. Returns 1 if it met the sky.
     fn ray(&self, e: usize, i: u32, rows: &mut Rows) -> u32 {
-        let seed = self.elements.seed(ElementId(e as u32), self.settings.seed);
-        let [u, v, s, t] = sobol(i, 0, seed);
-        let point = self.elements.point(self.scene, ElementId(e as u32), u, v);
-        let direction = frame(point.normal) * cosine_hemisphere(s, t);
-        let origin = point.position + point.normal * OFFSET;
-        let hit = self
-            .occluders
-            .closest(origin, direction, point.triangle, hash(seed, i));
+        let Cast {
+            origin,
+            point,
+            direction,
+            hit,
+        } = self.cast(e, i);
         rows.traced += 1;
         if self.remember {
             let distance = hit.map_or(f32::INFINITY, |h| h.distance);

@@ -29,11 +29,14 @@ mod patch;
 mod polygon;
 mod traced;
 
-use crate::radiosity::element::Elements;
+use glam::Vec3;
+
+use crate::radiosity::element::{ElementId, ElementPoint, Elements};
 use crate::radiosity::emitter::Emitters;
 use crate::radiosity::observer::Observer;
-use crate::radiosity::occlusion::Occluders;
+use crate::radiosity::occlusion::{Hit, OFFSET, Occluders};
 use crate::radiosity::parallel::Cancelled;
+use crate::radiosity::sampling::{cosine_hemisphere, frame, hash, sobol};
 use crate::radiosity::settings::BakeSettings;
 use crate::radiosity::validate::ValidScene;
 
@@ -59,6 +62,35 @@ pub(crate) struct View<'a> {
     pub(crate) settings: &'a BakeSettings,
     /// Whether to note how far rays went.
     pub(crate) remember: bool,
+}
+
+/// A ray from an element, and what it met.
+struct Cast {
+    /// Where it starts: lifted off its own surface.
+    origin: Vec3,
+    /// The point of the element below.
+    point: ElementPoint,
+    direction: Vec3,
+    hit: Option<Hit>,
+}
+
+impl View<'_> {
+    /// Ray `i` of element `e`: from points spread over the element, with density cos θ / π.
+    fn cast(&self, e: usize, i: u32) -> Cast {
+        let id = ElementId(e as u32);
+        let seed = self.elements.seed(id, self.settings.seed);
+        let [u, v, s, t] = sobol(i, 0, seed);
+        let point = self.elements.point(self.scene, id, u, v);
+        let direction = frame(point.normal) * cosine_hemisphere(s, t);
+        let origin = point.position + point.normal * OFFSET;
+        let occluders = self.occluders;
+        Cast {
+            origin,
+            point,
+            direction,
+            hit: occluders.closest(origin, direction, point.triangle, hash(seed, i)),
+        }
+    }
 }
 
 /// Finds the form factors of all elements, those that `before` does not answer. Returns how many

@@ -5,7 +5,7 @@ use crate::radiosity::observer::{Observer, Stage};
 use crate::radiosity::occlusion::OFFSET;
 use crate::radiosity::parallel::{Cancelled, map_ranges};
 use crate::radiosity::report::FormFactorReport;
-use crate::radiosity::sampling::{cosine_hemisphere, frame, hash, sobol};
+use crate::radiosity::sampling::{hash, sobol};
 
 use super::View;
 use super::matrix::{KeptRow, Matrix, Row};
@@ -135,18 +135,7 @@ fn sky(view: &View, e: usize) -> f32 {
     if view.scene.sky == Vec3::ZERO {
         return 0.0;
     }
-    let id = ElementId(e as u32);
-    let seed = view.elements.seed(id, view.settings.seed);
-    let misses = (0..view.settings.element_rays).filter(|&i| {
-        let [u, v, s, t] = sobol(i, 0, seed);
-        let point = view.elements.point(view.scene, id, u, v);
-        let direction = frame(point.normal) * cosine_hemisphere(s, t);
-        let origin = point.position + point.normal * OFFSET;
-        let hit = view
-            .occluders
-            .closest(origin, direction, point.triangle, hash(seed, i));
-        hit.is_none()
-    });
+    let misses = (0..view.settings.element_rays).filter(|&i| view.cast(e, i).hit.is_none());
     misses.count() as f32 / view.settings.element_rays as f32
 }
 

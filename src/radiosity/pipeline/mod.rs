@@ -30,7 +30,6 @@ use super::solve::Solution;
 use super::stages::{Plan, Stages, Start};
 use super::surface::{Pyramids, Surfaces};
 use super::validate::ValidScene;
-use vertices::object_light;
 
 /// A bake on its way.
 struct Run<'a> {
@@ -93,7 +92,7 @@ pub(crate) fn run(
     let (gathered, samples) = run.gather(&gather, &solved.receivers, &solved.solution)?;
     let fitted = run.fit(&samples, &solved.receivers)?;
     let bake = Bake {
-        objects: object_light(&solved.receivers, &fitted),
+        objects: solved.receivers.object_light(&fitted.light),
         report: run.findings(&solved).report(Some(&VertexFindings {
             receivers: &solved.receivers,
             lit_from_behind: &lit_from_behind,

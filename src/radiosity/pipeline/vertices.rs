@@ -2,8 +2,7 @@ use std::sync::Arc;
 
 use super::Run;
 use crate::radiosity::bake::BakeError;
-use crate::radiosity::baked::ObjectLight;
-use crate::radiosity::element::Elements;
+use crate::radiosity::element::{Elements, SEEN_FROM_BEHIND};
 use crate::radiosity::emitter_tree::{EmitterTree, Leaf};
 use crate::radiosity::fit::{Fit, fit};
 use crate::radiosity::form_factor::GONE;
@@ -36,7 +35,7 @@ impl Run<'_> {
             return plan.lit_from_behind.clone();
         }
         let sums: Vec<_> = (0..self.scene.objects.len())
-            .map(|o| sides_light(elements, o, solution))
+            .map(|o| elements.light_of_sides(o, &solution.arriving))
             .collect();
         let mean = |(light, area): (f64, f64)| if area > 0.0 { light / area } else { 0.0 };
         let all = (sums.iter().flatten()).fold((0.0, 0.0), |a, s| (a.0 + s.0, a.1 + s.1));
@@ -48,7 +47,7 @@ impl Run<'_> {
         (sums.iter().enumerate())
             .map(|(o, &[front, back])| match was(o) {
                 Some(was) if dark => was,
-                _ => mean(front) < 0.02 * mean(back).min(mean(all)),
+                _ => mean(front) < SEEN_FROM_BEHIND * mean(back).min(mean(all)),
             })
             .collect()
     }
@@ -167,25 +166,4 @@ impl Run<'_> {
             Ok(fitted)
         })
     }
-}
-
-/// Light and area of an object's front and back.
-fn sides_light(elements: &Elements, object: usize, solution: &Solution) -> [(f64, f64); 2] {
-    let mut sums = [(0.0, 0.0); 2];
-    for e in elements.of_object(object) {
-        let side = &mut sums[usize::from(elements.is_back(e))];
-        side.0 += f64::from(solution.arriving[e].element_sum() * elements.area[e]);
-        side.1 += f64::from(elements.area[e]);
-    }
-    sums
-}
-
-pub(super) fn object_light(receivers: &ReceiverMeshes, fitted: &Fit) -> Vec<ObjectLight> {
-    let light = |u: &u32| fitted.light[*u as usize];
-    (receivers.meshes.iter())
-        .map(|mesh| ObjectLight {
-            light: mesh.unknown.iter().map(light).collect(),
-            mesh: mesh.refined.clone(),
-        })
-        .collect()
 }
