@@ -186,6 +186,10 @@ impl SettingsArgs {
         };
         BakeSettings {
             max_edge: self.max_edge,
+            refine: preset.refine,
+            error: preset.error,
+            max_vertices: preset.max_vertices,
+            max_seconds: preset.max_seconds,
             elements: self.elements.unwrap_or(preset.elements),
             element_rays: self.element_rays.unwrap_or(preset.element_rays),
             gather_rays: self.gather_rays.unwrap_or(preset.gather_rays),

@@ -34,6 +34,8 @@
 //!
 //! Nothing here knows about materials, light or files.
 
+mod conforming;
+mod contact;
 mod flat;
 mod refined;
 mod split;
@@ -41,6 +43,8 @@ mod split;
 mod test_meshes;
 mod weld;
 
+pub use conforming::{Bisected, Bisection, Conforming, Origin, Part, Refined};
+pub use contact::{CutMesh, Surface, split_at_contacts};
 pub use flat::split_flat_corners;
 pub use refined::{RefinedMesh, SurfacePoint};
 pub use split::{SplitError, split_long_edges};

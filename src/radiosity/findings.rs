@@ -9,7 +9,7 @@ use super::form_factor::{FormFactors, Traced};
 use super::gathered::TriangleSamples;
 use super::observer::Stage;
 use super::receiver_mesh::ReceiverMeshes;
-use super::report::{Counts, EnergyBalance, Report, Work};
+use super::report::{Counts, EnergyBalance, ErrorEstimate, Report, Stopped, Work};
 use super::sampling_error::SamplingError;
 use super::settings::BakeSettings;
 use super::solve::Solution;
@@ -64,6 +64,8 @@ impl Findings<'_> {
                 + self.solution.report.bytes
                 + vertices.map_or(0, |v| size_of_val(v.samples) as u64),
             energy,
+            error: ErrorEstimate::default(),
+            stopped: Stopped::default(),
             form_factors: self.traced.report.clone(),
             solver: self.solution.report.clone(),
             element_error: COVER * self.error.elements,

@@ -107,7 +107,9 @@ pub use light::{DirectLight, Light, LightKind};
 pub use observer::{Observer, Stage};
 pub use partial::PartialLight;
 pub use preview::{Camera, Picture, PreviewSettings, Projection, preview};
-pub use report::{Counts, EnergyBalance, FormFactorReport, Report, SolverReport, Work};
+pub use report::{
+    Counts, EnergyBalance, ErrorEstimate, FormFactorReport, Report, SolverReport, Stopped, Work,
+};
 pub use scene::{
     AlphaMode, Material, MaterialId, Object, ObjectId, Scene, Texture, TextureId, TextureRef, Wrap,
 };

@@ -20,6 +20,10 @@ pub struct Report {
     pub form_factors: FormFactorReport,
     /// How the linear system was solved.
     pub solver: SolverReport,
+    /// How far off the vertex light is, by source.
+    pub error: ErrorEstimate,
+    /// Why no better result was looked for.
+    pub stopped: Stopped,
     /// Sampling error of the light of elements: RMS of what rays and shadow rays leave to chance, or
     /// pixels to aliasing, beside the mean light. Estimated by asking a few elements twice.
     pub element_error: f32,
@@ -33,6 +37,40 @@ pub struct Report {
     pub work: Work,
     /// What was mended, skipped or looks wrong, one sentence each, with the name of the thing.
     pub notes: Vec<String>,
+}
+
+/// How far off vertex light is, each a relative RMSE: root mean square over the visible surface,
+/// beside the mean light. Estimates by the bake itself; 0 where nothing was asked.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ErrorEstimate {
+    /// All of it.
+    pub total: f32,
+    /// What linear interpolation between the vertices leaves out.
+    pub meshing: f32,
+    /// What rays and shadow rays leave to chance.
+    pub sampling: f32,
+    /// What elements of constant light leave out.
+    pub elements: f32,
+    /// What stopping the solver early leaves, at most.
+    pub solver: f32,
+}
+
+/// Why a bake stopped looking for less error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stopped {
+    /// Vertices were kept as given.
+    #[default]
+    AsGiven,
+    /// The error asked for was reached.
+    Error,
+    /// More vertices were not allowed.
+    Vertices,
+    /// More memory was not allowed.
+    Memory,
+    /// The time was over.
+    Seconds,
+    /// More vertices and rays did not help: what is left is below what the method can tell apart.
+    Limit,
 }
 
 /// What a bake really did; all zero if nothing had changed since the last one of its

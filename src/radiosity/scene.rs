@@ -63,6 +63,9 @@ pub struct Object {
     /// Gets vertex light. Without it the object's [`ObjectLight`](super::ObjectLight) is empty and
     /// no rays are spent on it.
     pub receives: bool,
+    /// May get more vertices where its light needs them (see
+    /// [`BakeSettings::refine`](super::BakeSettings::refine)). Without it the mesh stays as it is.
+    pub refine: bool,
     /// Reflects light. Without it the object is black to radiosity, but still emits.
     pub reflects: bool,
 }
@@ -81,6 +84,7 @@ impl Default for Object {
             key: 0,
             casts: true,
             receives: true,
+            refine: true,
             reflects: true,
         }
     }

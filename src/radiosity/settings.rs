@@ -20,6 +20,17 @@ pub struct BakeSettings {
     /// Splits mesh edges longer than this, in metres, before baking; `None` keeps the vertices
     /// as given. Limit: > 0.
     pub max_edge: Option<f32>,
+    /// Puts vertices where the light needs them, until [`error`](Self::error) is met, instead of
+    /// keeping those given. [`Object::refine`](super::Object::refine) says so for each object.
+    pub refine: bool,
+    /// The error asked for: relative RMSE of the vertex light, 0.02 for 2 %. With
+    /// [`refine`](Self::refine) the bake goes on until its own estimate is below. Limit: 0.001..=1.
+    pub error: f32,
+    /// Vertices of the result, all objects together, at most; those given are kept in any case.
+    pub max_vertices: u32,
+    /// Stops looking for less error after this many seconds, with the best result so far.
+    /// Limit: > 0.
+    pub max_seconds: Option<f32>,
     /// How many elements the indirect light is solved on, roughly. Surfaces are cut or merged to
     /// an even size to come near it. Limit: 1..=4,000,000.
     pub elements: u32,
@@ -59,6 +70,10 @@ impl BakeSettings {
     /// For looking while working: about 3.9 % error on the Cornell box.
     pub const DRAFT: Self = Self {
         max_edge: None,
+        refine: false,
+        error: 0.05,
+        max_vertices: 1_000_000,
+        max_seconds: None,
         elements: 4_000,
         form_factors: FormFactors::HitList,
         element_rays: 32,
@@ -76,6 +91,7 @@ impl BakeSettings {
 
     /// The default: about 2.6 % error on the Cornell box.
     pub const BALANCED: Self = Self {
+        error: 0.02,
         elements: 8_000,
         element_rays: 48,
         gather_rays: 64,
@@ -88,6 +104,7 @@ impl BakeSettings {
     /// For shipping: about 2.4 % error on the Cornell box, where 2.2 % is the least its vertices
     /// can carry.
     pub const FINAL: Self = Self {
+        error: 0.01,
         elements: 16_000,
         element_rays: 128,
         gather_rays: 256,
