@@ -129,7 +129,7 @@ fn colours_trace_nothing_and_keep_the_rows() {
         let what = name(&settings);
         assert_eq!(resumed.report.work.rays(), 0, "{what}");
         assert!(Arc::ptr_eq(&kept(&baker), &rows), "{what}");
-        let expected = [Stage::Mesh, Stage::Solve, Stage::Gather, Stage::Fit];
+        let expected = [Stage::Mesh, Stage::Solve, Stage::Gather, Stage::Shadows, Stage::Fit];
         assert_eq!(stages(&resumed.report), expected, "{what}");
         check(&baker, &resumed, &what);
     }
@@ -160,7 +160,7 @@ fn another_solver_only_solves_again() {
             baker.set_settings(settings.clone());
             let resumed = baker.bake(room(), &()).unwrap();
             let what = name(&settings);
-            let expected = [Stage::Solve, Stage::Gather, Stage::Fit];
+            let expected = [Stage::Solve, Stage::Gather, Stage::Shadows, Stage::Fit];
             assert_eq!(stages(&resumed.report), expected, "{what}");
             assert_eq!(resumed.report.solver.solver, solver, "{what}");
             assert_eq!(resumed.report.work.rays(), 0, "{what}");

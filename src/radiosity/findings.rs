@@ -4,11 +4,10 @@ use glam::{DVec3, Vec3};
 
 use super::element::Elements;
 use super::emitter_tree::{EmitterTree, WIDE};
-use super::fit::Fit;
+use super::fit::{Fit, Samples};
 use super::form_factor::{FormFactors, Traced};
-use super::gathered::TriangleSamples;
 use super::observer::Stage;
-use super::receiver_mesh::ReceiverMeshes;
+use super::receivers::Receivers;
 use super::report::{Counts, EnergyBalance, ErrorEstimate, Report, Stopped, Work};
 use super::sampling_error::SamplingError;
 use super::settings::BakeSettings;
@@ -41,9 +40,9 @@ pub(crate) struct Findings<'a> {
 
 /// What the light of vertices can be asked about.
 pub(crate) struct VertexFindings<'a> {
-    pub(crate) receivers: &'a ReceiverMeshes,
+    pub(crate) receivers: &'a Receivers,
     pub(crate) lit_from_behind: &'a [bool],
-    pub(crate) samples: &'a [TriangleSamples],
+    pub(crate) samples: &'a Samples,
     pub(crate) fitted: &'a Fit,
 }
 
@@ -62,7 +61,9 @@ impl Findings<'_> {
                 + self.elements.bytes()
                 + self.traced.rows.bytes()
                 + self.solution.report.bytes
-                + vertices.map_or(0, |v| size_of_val(v.samples) as u64),
+                + vertices.map_or(0, |v| {
+                    (size_of_val(&*v.samples.smooth) + size_of_val(&*v.samples.sharp)) as u64
+                }),
             energy,
             error: ErrorEstimate::default(),
             stopped: Stopped::default(),
@@ -216,15 +217,15 @@ impl Findings<'_> {
 
 impl VertexFindings<'_> {
     fn counts(&self) -> Counts {
-        let taken: u64 = self.samples.iter().map(|s| u64::from(s.taken)).sum();
+        let samples = &self.samples.smooth;
         let vertices_with = |flags: &[bool]| {
-            let unknowns = self.receivers.meshes.iter().flat_map(|m| &m.unknown);
+            let unknowns = self.receivers.fine.meshes.iter().flat_map(|m| &m.unknown);
             unknowns.filter(|&&u| flags[u as usize]).count() as u64
         };
         Counts {
-            vertices: self.receivers.vertex_count() as u64,
-            samples: taken,
-            invalid_samples: self.samples.iter().map(|s| u64::from(s.invalid)).sum(),
+            vertices: self.receivers.fine.vertex_count() as u64,
+            samples: samples.iter().map(|s| u64::from(s.taken)).sum(),
+            invalid_samples: samples.iter().map(|s| u64::from(s.invalid)).sum(),
             filled_vertices: vertices_with(&self.fitted.filled),
             dark_vertices: vertices_with(&self.fitted.dark),
             ..Counts::default()
@@ -240,7 +241,7 @@ impl VertexFindings<'_> {
                     object.name
                 ));
             }
-            let dark = self.receivers.meshes[o]
+            let dark = self.receivers.fine.meshes[o]
                 .unknown
                 .iter()
                 .filter(|&&u| self.fitted.dark[u as usize])

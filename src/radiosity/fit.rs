@@ -3,6 +3,7 @@ use glam::Vec3;
 use super::color::{divide, luminance};
 use super::gathered::TriangleSamples;
 use super::parallel::Cancelled;
+use super::receivers::Receivers;
 
 /// Vertex light fitted to the samples.
 pub(crate) struct Fit {
@@ -20,16 +21,38 @@ pub(crate) struct Fit {
 /// How noise is dealt with, as the samples themselves told.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Smoothing {
-    /// How strongly neighbouring vertices are pulled together, by kind of light.
+    /// How strongly neighbouring vertices are pulled together, by [`Kind`] of light.
     lambda: [f32; 2],
     /// Relative RMS of the difference of two fits to half the samples each, halved: the error
     /// that chance leaves in the whole.
     pub(crate) sampling_error: f32,
 }
 
-/// How strongly neighbouring vertices are at least pulled together, as a share of the samples' own
-/// pull: light with sharp edges keeps them, gathered light is smooth and its noise is not.
-const LEAST: [f32; 2] = [0.001, 0.01];
+/// Samples of both kinds of light, by triangle of their meshes.
+pub(crate) struct Samples {
+    /// On the coarse meshes: bounced light, sky, wide emitters.
+    pub(crate) smooth: Vec<TriangleSamples>,
+    /// On the fine meshes: light of lights and sampled emitters.
+    pub(crate) sharp: Vec<TriangleSamples>,
+}
+
+/// What kind of light a mesh carries.
+#[derive(Clone, Copy)]
+enum Kind {
+    Sharp,
+    Smooth,
+}
+
+impl Kind {
+    /// How strongly neighbouring vertices are at least pulled together, as a share of the samples'
+    /// own pull: light with sharp edges keeps them, gathered light is smooth and its noise is not.
+    const fn least(self) -> f32 {
+        match self {
+            Self::Sharp => 0.001,
+            Self::Smooth => 0.01,
+        }
+    }
+}
 
 /// Stronger smoothing is tried in steps of this factor, up to the samples' own pull.
 const STEP: f32 = 4.0;
@@ -64,47 +87,42 @@ const MAX_ITERATIONS: usize = 500;
 /// How much λ is right depends on the noise. The half-sets tell: a fit to one is judged by the
 /// samples of the other (cross-validation), and λ grows as long as that gets better.
 ///
-/// A `known` smoothing is taken as it is, with the sampling error found along with it. `go_on` is
-/// asked between solutions.
+/// Each kind of light is fitted on its own mesh, and the coarse mesh's light is carried over to the
+/// vertices of the fine one inside it. A `known` smoothing is taken as it is, with the sampling error
+/// found along with it. `go_on` is asked between solutions.
 pub(crate) fn fit(
-    triangles: &[TriangleSamples],
-    (unknowns, seams): (usize, &[Vec<u32>]),
+    samples: &Samples,
+    receivers: &Receivers,
     known: Option<&Smoothing>,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Fit, Cancelled> {
-    let mut whole = vec![Vec3::ZERO; unknowns];
-    let mut difference = vec![Vec3::ZERO; unknowns];
-    let mut lambda = known.map_or([0.0; 2], |k| k.lambda);
-    for (kind, lambda) in lambda.iter_mut().enumerate() {
-        if known.is_none() {
-            let chosen = choose_smoothing(triangles, unknowns, kind, go_on)?;
-            *lambda = chosen.lambda;
-            for (i, sum) in difference.iter_mut().enumerate() {
-                *sum += chosen.fits[0][i] - chosen.fits[1][i];
-            }
-        }
-        if !go_on() {
-            return Err(Cancelled);
-        }
-        let solved = solve(triangles, unknowns, &[0, 1], kind, *lambda);
-        for (sum, light) in whole.iter_mut().zip(solved) {
-            *sum += light;
-        }
-    }
+    let unknowns = receivers.fine.unknowns;
+    let layer = |kind: Kind, samples, unknowns| {
+        fit_layer(
+            samples,
+            unknowns,
+            kind,
+            known.map(|k| k.lambda[kind as usize]),
+            go_on,
+        )
+    };
+    let sharp = layer(Kind::Sharp, &samples.sharp, unknowns)?;
+    let smooth = layer(Kind::Smooth, &samples.smooth, receivers.coarse.unknowns)?;
+    let both = |sharp: &[Vec3], smooth: &[Vec3]| -> Vec<Vec3> {
+        let smooth = receivers.carried_over(smooth);
+        sharp.iter().zip(smooth).map(|(&a, b)| a + b).collect()
+    };
+    let mut whole = both(&sharp.light, &smooth.light);
     let mut area = vec![0.0_f32; unknowns];
     let mut sampled = vec![false; unknowns];
-    for t in triangles {
+    for t in &samples.sharp {
         for &u in &t.unknowns {
             area[u as usize] += t.area / 3.0;
             sampled[u as usize] |= t.invalid < t.taken;
         }
     }
-    close_seams(&mut whole, &area, seams);
-    let total: f64 = area
-        .iter()
-        .map(|&a| f64::from(a))
-        .sum::<f64>()
-        .max(f64::MIN_POSITIVE);
+    close_seams(&mut whole, &area, &receivers.fine.seams);
+    let total: f64 = (area.iter().map(|&a| f64::from(a)).sum::<f64>()).max(f64::MIN_POSITIVE);
     let mean = |f: &dyn Fn(usize) -> f64| {
         (0..unknowns)
             .map(|i| f(i) * f64::from(area[i]))
@@ -112,22 +130,63 @@ pub(crate) fn fit(
             / total
     };
     let level = mean(&|i| f64::from(luminance(whole[i])));
-    let variance = mean(&|i| (0.5 * f64::from(luminance(difference[i]))).powi(2));
-    let dark = unreached(triangles, &sampled);
-    let error = if level > 0.0 {
-        (variance.sqrt() / level) as f32
-    } else {
-        0.0
+    let error = match known {
+        Some(known) => known.sampling_error,
+        None => {
+            let difference = both(&sharp.difference, &smooth.difference);
+            let variance = mean(&|i| (0.5 * f64::from(luminance(difference[i]))).powi(2));
+            if level > 0.0 {
+                (variance.sqrt() / level) as f32
+            } else {
+                0.0
+            }
+        }
     };
+    let dark = unreached(&samples.sharp, &sampled);
     Ok(Fit {
         smoothing: Smoothing {
-            lambda,
-            sampling_error: known.map_or(error, |k| k.sampling_error),
+            lambda: [sharp.lambda, smooth.lambda],
+            sampling_error: error,
         },
         mean: level as f32,
         filled: (0..unknowns).map(|i| !sampled[i] && !dark[i]).collect(),
         light: whole,
         dark,
+    })
+}
+
+/// One kind of light, fitted on its mesh.
+struct Layer {
+    light: Vec<Vec3>,
+    /// Of the fits to the two half-sets; nothing if the smoothing was known.
+    difference: Vec<Vec3>,
+    lambda: f32,
+}
+
+fn fit_layer(
+    triangles: &[TriangleSamples],
+    unknowns: usize,
+    kind: Kind,
+    known: Option<f32>,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Layer, Cancelled> {
+    let mut difference = Vec::new();
+    let lambda = match known {
+        Some(lambda) => lambda,
+        None => {
+            let chosen = choose_smoothing(triangles, unknowns, kind, go_on)?;
+            let [a, b] = chosen.fits;
+            difference = a.into_iter().zip(b).map(|(a, b)| a - b).collect();
+            chosen.lambda
+        }
+    };
+    if !go_on() {
+        return Err(Cancelled);
+    }
+    Ok(Layer {
+        light: solve(triangles, unknowns, &[0, 1], lambda),
+        difference,
+        lambda,
     })
 }
 
@@ -170,16 +229,15 @@ struct Chosen {
 fn choose_smoothing(
     triangles: &[TriangleSamples],
     unknowns: usize,
-    kind: usize,
+    kind: Kind,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Chosen, Cancelled> {
     let attempt = |lambda| {
         if !go_on() {
             return Err(Cancelled);
         }
-        let fits = [0, 1].map(|half| solve(triangles, unknowns, &[half], kind, lambda));
-        let error = squared_error(triangles, &fits[0], 1, kind)
-            + squared_error(triangles, &fits[1], 0, kind);
+        let fits = [0, 1].map(|half| solve(triangles, unknowns, &[half], lambda));
+        let error = squared_error(triangles, &fits[0], 1) + squared_error(triangles, &fits[1], 0);
         Ok(Chosen {
             lambda,
             fits,
@@ -187,8 +245,8 @@ fn choose_smoothing(
         })
     };
     // A half-set is twice as noisy as the whole, which wants one step less: keep the one before.
-    let mut chosen = attempt(LEAST[kind])?;
-    let mut best = attempt(LEAST[kind] * STEP)?;
+    let mut chosen = attempt(kind.least())?;
+    let mut best = attempt(kind.least() * STEP)?;
     if best.error >= chosen.error {
         return Ok(chosen);
     }
@@ -205,11 +263,11 @@ fn choose_smoothing(
 /// Σ w (fit − E)² / E² over the samples of a half-set, less what is the same for every fit.
 ///
 /// Relative to the light around, as eyes judge it: else the brightest spot would decide alone.
-fn squared_error(triangles: &[TriangleSamples], light: &[Vec3], half: usize, kind: usize) -> f64 {
+fn squared_error(triangles: &[TriangleSamples], light: &[Vec3], half: usize) -> f64 {
     let level = |t: &TriangleSamples| -> f64 {
         let light = |h: usize| {
             t.halves[h]
-                .light(kind)
+                .light
                 .iter()
                 .map(|&l| f64::from(luminance(l)))
                 .sum::<f64>()
@@ -229,7 +287,7 @@ fn squared_error(triangles: &[TriangleSamples], light: &[Vec3], half: usize, kin
         let [aa, ab, ac, bb, bc, cc] = sums.gram;
         let own =
             a * a * aa + b * b * bb + c * c * cc + (a * b * ab + a * c * ac + b * c * bc) * 2.0;
-        let [x, y, z] = sums.light(kind);
+        let [x, y, z] = sums.light;
         let cross = a * x + b * y + c * z;
         let scale = level(t).powi(2) + (DARK * mean).powi(2);
         f64::from((own - cross * 2.0).element_sum()) / scale.max(f64::MIN_POSITIVE)
@@ -242,11 +300,10 @@ fn solve(
     triangles: &[TriangleSamples],
     unknowns: usize,
     halves: &[usize],
-    kind: usize,
     smoothing: f32,
 ) -> Vec<Vec3> {
-    let mut light = System::new(triangles, unknowns, halves, kind, smoothing).solve();
-    let limits = overshoot_limits(triangles, unknowns, halves, kind);
+    let mut light = System::new(triangles, unknowns, halves, smoothing).solve();
+    let limits = overshoot_limits(triangles, unknowns, halves);
     for (x, (lowest, highest)) in light.iter_mut().zip(limits) {
         *x = x.max(lowest).min(highest.max(lowest));
     }
@@ -259,7 +316,6 @@ fn overshoot_limits(
     triangles: &[TriangleSamples],
     unknowns: usize,
     halves: &[usize],
-    kind: usize,
 ) -> Vec<(Vec3, Vec3)> {
     let mut limits = vec![(Vec3::INFINITY, Vec3::ZERO); unknowns];
     for t in triangles {
@@ -267,7 +323,7 @@ fn overshoot_limits(
         if weight <= 0.0 {
             continue;
         }
-        let sum: Vec3 = halves.iter().flat_map(|&h| t.halves[h].light(kind)).sum();
+        let sum: Vec3 = halves.iter().flat_map(|&h| t.halves[h].light).sum();
         let mean = sum / weight;
         for &u in &t.unknowns {
             let (lowest, highest) = &mut limits[u as usize];
@@ -298,7 +354,6 @@ impl System {
         triangles: &[TriangleSamples],
         unknowns: usize,
         halves: &[usize],
-        kind: usize,
         smoothing: f32,
     ) -> Self {
         // Areas span many powers of ten between scenes: count them by their mean.
@@ -318,7 +373,7 @@ impl System {
             let mut block = [2.0 * pull, -pull, -pull, 2.0 * pull, -pull, 2.0 * pull];
             for &half in halves {
                 let sums = &t.halves[half];
-                let right = sums.light(kind);
+                let right = sums.light;
                 for (entry, gram) in block.iter_mut().zip(sums.gram) {
                     *entry += gram * scale;
                 }

@@ -9,7 +9,9 @@ use super::direct::{ShadowRays, add, crosses, light_seed, shines};
 use super::element::Elements;
 use super::emitter::{Emitters, Receiver};
 use super::form_factor::{BLACK, GONE, SKY};
-use super::gathered::{Bundle, Gathered, Met, NOT_CAST, SAMPLED, SHEET, Share, TriangleLight};
+use super::gathered::{
+    Bundle, Gathered, Met, NOT_CAST, SAMPLED, SHEET, SamplePlaces, Share, SharpLight,
+};
 use super::identity::object_seeds;
 use super::illumination::illumination;
 use super::light::{DirectLight, Light};
@@ -33,8 +35,8 @@ pub(crate) struct Gather<'a> {
     /// For each object, whether the back of its surfaces is the side to light.
     pub(crate) lit_from_behind: &'a [bool],
     pub(crate) settings: &'a BakeSettings,
-    /// Samples per square root of area.
-    pub(crate) density: f32,
+    /// Samples per square root of area, of the coarse meshes and of the fine ones.
+    pub(crate) density: [f32; 2],
     /// Whether to note how far rays went.
     pub(crate) remember: bool,
     pub(crate) aids: Aids,
@@ -56,6 +58,20 @@ pub(crate) struct GatherCost {
     pub(crate) rays: u64,
     pub(crate) shadow: ShadowRays,
 }
+
+/// How to tell which samples of a triangle lie inside geometry.
+#[derive(Clone, Copy)]
+pub(crate) enum Validity<'a> {
+    /// By rays from the same samples.
+    Known(&'a Bundle),
+    /// All are outside: no ray from around met a black back.
+    Sound,
+    /// By a few rays from each.
+    Doubtful,
+}
+
+/// Rays that tell whether a sample lies inside geometry.
+const PROBES: u32 = 16;
 
 /// Samples of a triangle at most, however large.
 const MAX_SAMPLES: u32 = 256;
@@ -103,36 +119,85 @@ struct Patch<'a> {
 }
 
 impl Gather<'_> {
-    /// Traces what tells a triangle's light, where `before` does not.
-    pub(crate) fn triangle(
+    /// Rays from all samples of a triangle of the coarse meshes, those that may have changed traced
+    /// again.
+    pub(crate) fn bundle(
         &self,
         mesh: &ReceiverMesh,
         object: usize,
         triangle: usize,
         before: Option<&GatherBefore>,
-        cost: &mut GatherCost,
-    ) -> TriangleLight {
-        let Some(patch) = self.patch(mesh, object, triangle) else {
-            return TriangleLight::default();
+        traced: &mut u64,
+    ) -> Arc<Bundle> {
+        let Some(patch) = self.patch(mesh, object, triangle, self.density[0]) else {
+            return Arc::default();
         };
-        let known = before.and_then(|b| Some((b, b.triangle(object, triangle)?)));
-        let bundle = self.bundle(&patch, known, &mut cost.rays);
+        let known = before.and_then(|b| Some((b, &**b.bundle(object, triangle)?)));
+        let known = known.filter(|(_, old)| old.samples.len() == patch.samples as usize);
+        match known {
+            Some((b, _)) if b.rays_stay() => {
+                b.bundle(object, triangle).cloned().unwrap_or_default()
+            }
+            _ => self.rays(&patch, known, traced).into(),
+        }
+    }
+
+    /// Shadow rays from all samples of a triangle of the fine meshes, where `before` does not answer.
+    pub(crate) fn sharp(
+        &self,
+        mesh: &ReceiverMesh,
+        object: usize,
+        triangle: usize,
+        validity: Validity,
+        before: Option<&GatherBefore>,
+        cost: &mut GatherCost,
+    ) -> SharpLight {
+        let Some(patch) = self.patch(mesh, object, triangle, self.density[1]) else {
+            return SharpLight::default();
+        };
+        let known = before.and_then(|b| Some((b, b.sharp(object, triangle)?)));
+        let places = match (validity, known) {
+            (Validity::Doubtful, Some((b, old))) if b.rays_stay() => old.samples.clone(),
+            _ => Arc::new(self.places(&patch, validity, &mut cost.rays)),
+        };
         // Samples left out send no shadow rays either.
-        let known = known.filter(|(_, t)| t.bundle.same_samples(&bundle));
+        let known = known.filter(|(_, old)| old.samples == places);
         let sphere = Bounds::of(mesh.corners(triangle)).sphere();
-        let shadow = &mut cost.shadow;
-        TriangleLight {
-            lights: self.lights(&patch, &bundle, known, sphere, &mut shadow.lights),
+        let (valid, shadow) = (&*places.valid, &mut cost.shadow);
+        SharpLight {
+            lights: self.lights(&patch, valid, known, sphere, &mut shadow.lights),
             emitters: match known {
                 Some((b, t)) if b.emitters_stay(self, sphere) => b.translate(&t.emitters),
-                _ => self.sampled(&self.emitters, 0, &patch, &bundle, &mut shadow.emitters),
+                _ => self.sampled(&self.emitters, 0, &patch, valid, &mut shadow.emitters),
             },
             reflectors: match known {
                 Some((b, t)) if b.reflectors_stay(self, sphere) => b.translate(&t.reflectors),
-                _ => self.sampled(&self.reflectors, 2, &patch, &bundle, &mut shadow.emitters),
+                _ => self.sampled(&self.reflectors, 2, &patch, valid, &mut shadow.emitters),
             },
-            bundle,
+            samples: places,
         }
+    }
+
+    /// Which samples of a triangle count.
+    fn places(&self, patch: &Patch, validity: Validity, traced: &mut u64) -> SamplePlaces {
+        let all = 0..patch.samples;
+        let valid = match validity {
+            Validity::Known(bundle) => bundle.valid().collect(),
+            Validity::Sound => all.collect(),
+            Validity::Doubtful => all.filter(|&i| !self.inside(patch, i, traced)).collect(),
+        };
+        SamplePlaces::new(patch.samples, valid, patch.area, |i| patch.place(i).0)
+    }
+
+    /// Whether a sample lies inside geometry: it sees black backs.
+    fn inside(&self, patch: &Patch, i: u32, traced: &mut u64) -> bool {
+        let mut probe = Bundle::default();
+        let (b, place) = patch.place(i);
+        for ray in 0..PROBES {
+            self.ray(patch, place, i * PROBES + ray, &mut probe, traced);
+        }
+        probe.close(*b, PROBES as usize);
+        probe.valid().next().is_none()
     }
 
     fn patch<'m>(
@@ -140,6 +205,7 @@ impl Gather<'_> {
         mesh: &'m ReceiverMesh,
         object: usize,
         triangle: usize,
+        density: f32,
     ) -> Option<Patch<'m>> {
         let corners = mesh.corners(triangle);
         let live = self.aids.live[object][mesh.source(triangle)];
@@ -154,7 +220,7 @@ impl Gather<'_> {
         }
         let area = area(corners);
         // An even number: the half-sets are of one size.
-        let pairs = (0.5 * self.density * area.sqrt()).round() as u32;
+        let pairs = (0.5 * density * area.sqrt()).round() as u32;
         let salt = hash(self.aids.seeds[object], self.settings.seed ^ 0x6A7E);
         Some(Patch {
             mesh,
@@ -169,17 +235,12 @@ impl Gather<'_> {
         })
     }
 
-    /// Rays from all samples of a triangle, those that may have changed traced again.
-    fn bundle(
+    fn rays(
         &self,
         patch: &Patch,
-        known: Option<(&GatherBefore, &TriangleLight)>,
+        known: Option<(&GatherBefore, &Bundle)>,
         traced: &mut u64,
-    ) -> Arc<Bundle> {
-        let known = known.filter(|(_, t)| t.bundle.samples.len() == patch.samples as usize);
-        if let Some((_, t)) = known.filter(|(b, _)| b.rays_stay()) {
-            return t.bundle.clone();
-        }
+    ) -> Bundle {
         let mut bundle = Bundle::default();
         let rays = (patch.samples * self.settings.gather_rays) as usize;
         bundle.ids.reserve_exact(rays);
@@ -196,14 +257,12 @@ impl Gather<'_> {
                         self.ray(patch, place, i * rays + k, &mut bundle, traced);
                     }
                 }
-                Some((before, t)) => {
-                    self.rays_again(patch, place, i, (before, &t.bundle), &mut bundle, traced);
-                }
+                Some(known) => self.rays_again(patch, place, i, known, &mut bundle, traced),
             }
             bundle.close(b, self.settings.gather_rays as usize);
         }
         bundle.met.shrink_to_fit();
-        Arc::new(bundle)
+        bundle
     }
 
     /// The rays of one sample, again where they may have changed.
@@ -298,8 +357,8 @@ impl Gather<'_> {
     fn lights(
         &self,
         patch: &Patch,
-        bundle: &Bundle,
-        known: Option<(&GatherBefore, &TriangleLight)>,
+        valid: &[u32],
+        known: Option<(&GatherBefore, &SharpLight)>,
         sphere: Sphere,
         rays: &mut u64,
     ) -> Vec<Option<Share>> {
@@ -309,15 +368,15 @@ impl Gather<'_> {
                 t.lights[b.change.light_before[l]?].filter(|_| still)
             });
             let wanted = shines(light) && light.direct == DirectLight::Baked;
-            share.or_else(|| wanted.then(|| self.light(l, patch, bundle, rays)))
+            share.or_else(|| wanted.then(|| self.light(l, patch, valid, rays)))
         };
         self.scene.lights.iter().enumerate().map(light).collect()
     }
 
-    fn light(&self, l: usize, patch: &Patch, bundle: &Bundle, rays: &mut u64) -> Share {
+    fn light(&self, l: usize, patch: &Patch, valid: &[u32], rays: &mut u64) -> Share {
         let seed = hash(patch.seed, light_seed(self.scene, l));
         let mut sum = Share::default();
-        for i in bundle.valid() {
+        for &i in valid {
             let &(b, ref place) = patch.place(i);
             let receiver = patch.receiver(place);
             let light = &self.scene.lights[l];
@@ -333,7 +392,7 @@ impl Gather<'_> {
         from: &Emitters,
         salt: u32,
         patch: &Patch,
-        bundle: &Bundle,
+        valid: &[u32],
         rays: &mut u64,
     ) -> Arc<[(u32, Share)]> {
         let mut sums = Vec::new();
@@ -343,7 +402,7 @@ impl Gather<'_> {
             hash(patch.seed, salt)
         };
         if !from.tree.leaves.is_empty() {
-            for i in bundle.valid() {
+            for &i in valid {
                 let &(b, ref place) = patch.place(i);
                 let block = i * from.samples..(i + 1) * from.samples;
                 let receiver = patch.receiver(place);
@@ -362,9 +421,14 @@ impl Gather<'_> {
 }
 
 impl<'a> GatherBefore<'a> {
-    fn triangle(&self, object: usize, triangle: usize) -> Option<&'a TriangleLight> {
+    fn bundle(&self, object: usize, triangle: usize) -> Option<&'a Arc<Bundle>> {
         let before = self.object_before[object]?;
-        Some(&self.gathered.of_object(before)[triangle])
+        Some(self.gathered.bundles.at(before, triangle))
+    }
+
+    fn sharp(&self, object: usize, triangle: usize) -> Option<&'a SharpLight> {
+        let before = self.object_before[object]?;
+        Some(self.gathered.sharp.at(before, triangle))
     }
 
     fn rays_stay(&self) -> bool {

@@ -26,31 +26,97 @@ const INSIDE: f32 = 0.25;
 /// and surfaces.
 #[derive(Default)]
 pub(crate) struct Gathered {
-    pub(crate) triangles: Vec<TriangleLight>,
+    /// Of the coarse meshes.
+    pub(crate) bundles: ByTriangle<Arc<Bundle>>,
+    /// Of the fine meshes.
+    pub(crate) sharp: ByTriangle<SharpLight>,
+}
+
+/// Something for each triangle of each object.
+pub(crate) struct ByTriangle<T> {
+    pub(crate) list: Vec<T>,
     /// First triangle of each object, and one past the last.
-    pub(crate) first_of_object: Vec<usize>,
+    first_of_object: Vec<usize>,
+}
+
+impl<T> Default for ByTriangle<T> {
+    fn default() -> Self {
+        Self {
+            list: Vec::new(),
+            first_of_object: vec![0],
+        }
+    }
+}
+
+impl<T> ByTriangle<T> {
+    /// Empty, for the triangles of these meshes.
+    pub(crate) fn of(meshes: &[ReceiverMesh]) -> Self {
+        let mut first_of_object = vec![0];
+        let mut end = 0;
+        for mesh in meshes {
+            end += mesh.triangles.len();
+            first_of_object.push(end);
+        }
+        Self {
+            list: Vec::new(),
+            first_of_object,
+        }
+    }
+
+    pub(crate) fn at(&self, object: usize, triangle: usize) -> &T {
+        &self.list[self.first_of_object[object] + triangle]
+    }
 }
 
 impl Gathered {
-    pub(crate) fn of_object(&self, object: usize) -> &[TriangleLight] {
-        &self.triangles[self.first_of_object[object]..self.first_of_object[object + 1]]
-    }
-
     pub(crate) fn bytes(&self) -> u64 {
-        self.triangles.iter().map(TriangleLight::bytes).sum()
+        self.bundles.list.iter().map(|b| b.bytes()).sum::<u64>()
+            + self.sharp.list.iter().map(SharpLight::bytes).sum::<u64>()
     }
 }
 
-/// How light reaches one triangle.
+/// How light with sharp edges reaches one triangle: light that shadow rays are sent for.
 #[derive(Clone, Default)]
-pub(crate) struct TriangleLight {
-    pub(crate) bundle: Arc<Bundle>,
+pub(crate) struct SharpLight {
+    pub(crate) samples: Arc<SamplePlaces>,
     /// By light of power 1; `None` where it is dark or the engine's.
     pub(crate) lights: Vec<Option<Share>>,
     /// By element of unit emission, of those sampled.
     pub(crate) emitters: Arc<[(u32, Share)]>,
     /// By element of unit reflected light, of those sampled.
     pub(crate) reflectors: Arc<[(u32, Share)]>,
+}
+
+/// Where a triangle is sampled, as the fit needs it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct SamplePlaces {
+    /// Samples, with those inside geometry.
+    pub(crate) taken: u32,
+    /// Those that are not inside geometry.
+    pub(crate) valid: Vec<u32>,
+    /// Σ w b bᵀ of each half-set.
+    grams: [[f32; 6]; 2],
+}
+
+impl SamplePlaces {
+    /// Of `taken` samples, those `valid`, at `place(i)`, on a triangle of this area.
+    pub(crate) fn new(
+        taken: u32,
+        valid: Vec<u32>,
+        area: f32,
+        mut place: impl FnMut(u32) -> Vec3,
+    ) -> Self {
+        let weight = area / taken.max(1) as f32;
+        let mut grams = [[0.0; 6]; 2];
+        for &i in &valid {
+            add_gram(&mut grams[i as usize % 2], weight, place(i));
+        }
+        Self {
+            taken,
+            valid,
+            grams,
+        }
+    }
 }
 
 /// Σ w b E over the samples of each half-set, for light that is the same number at all of them.
@@ -128,13 +194,21 @@ impl Bundle {
         indices.filter(|&i| self.samples[i as usize].cast > 0)
     }
 
-    pub(crate) fn same_samples(&self, other: &Self) -> bool {
-        self.samples.len() == other.samples.len()
-            && (self.samples.iter().zip(&other.samples)).all(|(a, b)| (a.cast > 0) == (b.cast > 0))
+    /// Whether any ray met the black back of a surface: the triangle may lie in part inside geometry.
+    pub(crate) fn doubtful(&self) -> bool {
+        self.ids.contains(&BLACK)
+    }
+
+    fn bytes(&self) -> u64 {
+        (size_of::<Self>()
+            + size_of_val(&*self.samples)
+            + size_of_val(&*self.ids)
+            + size_of_val(&*self.reaches)
+            + size_of_val(&*self.met)) as u64
     }
 }
 
-impl TriangleLight {
+impl SharpLight {
     /// Whether the same was found; shares of elements that happen to be listed in another order
     /// are the same. A light that is not wanted may be known or not.
     #[cfg(test)]
@@ -144,8 +218,7 @@ impl TriangleLight {
             shares.sort_by_key(|s| s.0);
             shares
         };
-        self.bundle.ids == other.bundle.ids
-            && self.bundle.reaches == other.bundle.reaches
+        self.samples == other.samples
             && sorted(&self.emitters) == sorted(&other.emitters)
             && sorted(&self.reflectors) == sorted(&other.reflectors)
             && (self.lights.iter().zip(&other.lights))
@@ -153,13 +226,9 @@ impl TriangleLight {
     }
 
     fn bytes(&self) -> u64 {
-        let bundle = &self.bundle;
         (size_of::<Self>()
-            + size_of::<Bundle>()
-            + size_of_val(&*bundle.samples)
-            + size_of_val(&*bundle.ids)
-            + size_of_val(&*bundle.reaches)
-            + size_of_val(&*bundle.met)
+            + size_of::<SamplePlaces>()
+            + size_of_val(&*self.samples.valid)
             + size_of_val(&*self.lights)
             + size_of_val(&*self.emitters)
             + size_of_val(&*self.reflectors)) as u64
@@ -171,39 +240,36 @@ impl TriangleLight {
 pub(crate) struct TriangleSums {
     /// Σ w b bᵀ over the samples, upper triangle: 00, 01, 02, 11, 12, 22.
     pub(crate) gram: [f32; 6],
-    /// Σ w b E for light with sharp edges: from lights and sampled emitters.
-    pub(crate) sharp: [Vec3; 3],
-    /// Σ w b E for light that rays gathered: bounced light, sky, wide emitters.
-    pub(crate) smooth: [Vec3; 3],
+    /// Σ w b E.
+    pub(crate) light: [Vec3; 3],
 }
 
 impl TriangleSums {
-    /// Σ w b E of light with sharp edges (0) or gathered by rays (1).
-    pub(crate) fn light(&self, kind: usize) -> [Vec3; 3] {
-        if kind == 0 { self.sharp } else { self.smooth }
-    }
-
     /// Σ w.
     pub(crate) fn weight(&self) -> f32 {
         let [xx, xy, xz, yy, yz, zz] = self.gram;
         xx + yy + zz + 2.0 * (xy + xz + yz)
     }
 
-    fn add(&mut self, weight: f32, b: Vec3, smooth: Vec3) {
-        let products = [
-            b.x * b.x,
-            b.x * b.y,
-            b.x * b.z,
-            b.y * b.y,
-            b.y * b.z,
-            b.z * b.z,
-        ];
-        for (sum, product) in self.gram.iter_mut().zip(products) {
-            *sum += weight * product;
-        }
+    fn add(&mut self, weight: f32, b: Vec3, light: Vec3) {
+        add_gram(&mut self.gram, weight, b);
         for k in 0..3 {
-            self.smooth[k] += smooth * (weight * b[k]);
+            self.light[k] += light * (weight * b[k]);
         }
+    }
+}
+
+fn add_gram(gram: &mut [f32; 6], weight: f32, b: Vec3) {
+    let products = [
+        b.x * b.x,
+        b.x * b.y,
+        b.x * b.z,
+        b.y * b.y,
+        b.y * b.z,
+        b.z * b.z,
+    ];
+    for (sum, product) in gram.iter_mut().zip(products) {
+        *sum += weight * product;
     }
 }
 
@@ -216,6 +282,17 @@ pub(crate) struct TriangleSamples {
     pub(crate) unknowns: [u32; 3],
     pub(crate) taken: u32,
     pub(crate) invalid: u32,
+}
+
+impl TriangleSamples {
+    fn new(mesh: &ReceiverMesh, triangle: usize, taken: u32) -> Self {
+        Self {
+            area: area(mesh.corners(triangle)),
+            unknowns: mesh.triangles[triangle].map(|v| mesh.unknown[v as usize]),
+            taken,
+            ..Self::default()
+        }
+    }
 }
 
 /// The light that is there, to put into what was gathered.
@@ -248,20 +325,14 @@ impl<'a> Shining<'a> {
         }
     }
 
-    /// Puts light into one triangle's rays.
-    pub(crate) fn fill(
+    /// Puts light into the rays from one triangle.
+    pub(crate) fn gathered(
         &self,
-        light: &TriangleLight,
+        bundle: &Bundle,
         mesh: &ReceiverMesh,
         triangle: usize,
     ) -> TriangleSamples {
-        let bundle = &light.bundle;
-        let mut samples = TriangleSamples {
-            area: area(mesh.corners(triangle)),
-            unknowns: mesh.triangles[triangle].map(|v| mesh.unknown[v as usize]),
-            taken: bundle.samples.len() as u32,
-            ..TriangleSamples::default()
-        };
+        let mut samples = TriangleSamples::new(mesh, triangle, bundle.samples.len() as u32);
         let weight = samples.area / samples.taken.max(1) as f32;
         let mut met = bundle.met.iter().peekable();
         for (i, sample) in bundle.samples.iter().enumerate() {
@@ -279,7 +350,6 @@ impl<'a> Shining<'a> {
             let smooth = (Vec3::from(sum) + self.sky * sample.sky as f32) / sample.cast as f32;
             samples.halves[i % 2].add(weight, sample.b, smooth);
         }
-        self.add_sharp(light, &mut samples);
         samples
     }
 
@@ -298,11 +368,23 @@ impl<'a> Shining<'a> {
         (partial[0] + partial[1]) + (partial[2] + partial[3]) + rest
     }
 
-    fn add_sharp(&self, light: &TriangleLight, samples: &mut TriangleSamples) {
+    /// Puts light into what shadow rays from one triangle found.
+    pub(crate) fn arrived(
+        &self,
+        light: &SharpLight,
+        mesh: &ReceiverMesh,
+        triangle: usize,
+    ) -> TriangleSamples {
+        let places = &light.samples;
+        let mut samples = TriangleSamples::new(mesh, triangle, places.taken);
+        samples.invalid = places.taken - places.valid.len() as u32;
+        for (half, gram) in samples.halves.iter_mut().zip(places.grams) {
+            half.gram = gram;
+        }
         let mut add = |share: &Share, color: Vec3| {
             for (half, sum) in samples.halves.iter_mut().zip(share.0) {
                 for k in 0..3 {
-                    half.sharp[k] += color * sum[k];
+                    half.light[k] += color * sum[k];
                 }
             }
         };
@@ -318,5 +400,6 @@ impl<'a> Shining<'a> {
         for (e, share) in light.reflectors.iter() {
             add(share, self.reflected[*e as usize].into());
         }
+        samples
     }
 }

@@ -84,6 +84,7 @@ mod partial;
 mod pipeline;
 mod preview;
 mod receiver_mesh;
+mod receivers;
 mod report;
 mod sampling;
 mod sampling_error;

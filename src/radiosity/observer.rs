@@ -18,6 +18,8 @@ pub enum Stage {
     Error,
     /// Irradiance is gathered inside the mesh's triangles.
     Gather,
+    /// Light of lights and emitters is sampled inside the mesh's triangles, with its shadows.
+    Shadows,
     /// Vertex values are fitted to the gathered irradiance.
     Fit,
     /// A picture of the result is drawn: not part of a bake, see [`preview`](super::preview).
@@ -26,7 +28,7 @@ pub enum Stage {
 
 impl Stage {
     /// All stages of a bake, in the order they run.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Mesh,
         Self::Occlusion,
         Self::FormFactors,
@@ -34,6 +36,7 @@ impl Stage {
         Self::Solve,
         Self::Error,
         Self::Gather,
+        Self::Shadows,
         Self::Fit,
     ];
 
@@ -47,6 +50,7 @@ impl Stage {
             Self::Solve => "solve",
             Self::Error => "sampling error",
             Self::Gather => "gather",
+            Self::Shadows => "shadows",
             Self::Fit => "fit vertices",
             Self::Preview => "preview",
         }

@@ -9,7 +9,7 @@ use super::fit::Smoothing;
 use super::form_factor::Traced;
 use super::gathered::Gathered;
 use super::occlusion::Hierarchy;
-use super::receiver_mesh::ReceiverMeshes;
+use super::receivers::Receivers;
 use super::sampling_error::SamplingError;
 use super::settings::BakeSettings;
 use super::solve::Solution;
@@ -21,7 +21,7 @@ use super::validate::ValidScene;
 pub(crate) struct Stages {
     pub(crate) pyramids: Arc<Pyramids>,
     pub(crate) elements: Arc<Elements>,
-    pub(crate) receivers: Arc<ReceiverMeshes>,
+    pub(crate) receivers: Receivers,
     pub(crate) hierarchy: Arc<Hierarchy>,
     pub(crate) traced: Arc<Traced>,
     pub(crate) direct: Arc<Direct>,
@@ -40,8 +40,8 @@ pub(crate) struct Stages {
 pub(crate) struct Plan {
     /// Area of an element, in squared internal units.
     pub(crate) target: f32,
-    /// Samples per square root of a triangle's area.
-    pub(crate) density: f32,
+    /// Samples per square root of a triangle's area, of coarse and fine meshes.
+    pub(crate) density: [f32; 2],
     /// Emissive triangles to sample.
     pub(crate) emitters: Arc<EmitterTree>,
     /// Elements to sample for the light they reflect.
@@ -73,9 +73,15 @@ impl Stages {
     /// Whether rays and shadow rays of all samples found the same.
     #[cfg(test)]
     pub(crate) fn same_gathered(&self, other: &Self) -> bool {
-        let (a, b) = (&self.gathered.triangles, &other.gathered.triangles);
-        a.len() == b.len()
-            && a.iter().zip(b).all(|(a, b)| a.same(b))
+        let (a, b) = (&self.gathered, &other.gathered);
+        let bundles = a.bundles.list.iter().zip(&b.bundles.list);
+        let mut sharp = a.sharp.list.iter().zip(&b.sharp.list);
+        a.bundles.list.len() == b.bundles.list.len()
+            && a.sharp.list.len() == b.sharp.list.len()
+            && bundles
+                .into_iter()
+                .all(|(a, b)| a.ids == b.ids && a.reaches == b.reaches)
+            && sharp.all(|(a, b)| a.same(b))
             && self.direct.same(&other.direct)
     }
 

@@ -15,6 +15,7 @@ use crate::radiosity::observer::Stage;
 use crate::radiosity::occlusion::{Hierarchy, Holds, Occluders};
 use crate::radiosity::partial::PartialLight;
 use crate::radiosity::receiver_mesh::{MeshesBefore, ReceiverMeshes};
+use crate::radiosity::receivers::Receivers;
 use crate::radiosity::sampling_error::{Judge, SamplingError};
 use crate::radiosity::solve::{Solution, System, Watch, solve};
 use crate::radiosity::stages::{Before, Stages};
@@ -26,7 +27,7 @@ impl Run<'_> {
     /// Elements, the meshes that receive light, and an element's area.
     pub(super) fn mesh(
         &mut self,
-    ) -> Result<(Arc<Pyramids>, Arc<Elements>, Arc<ReceiverMeshes>, f32), BakeError> {
+    ) -> Result<(Arc<Pyramids>, Arc<Elements>, Receivers, f32), BakeError> {
         let scene = self.scene;
         let planned = self.start.plan.map(|p| p.target);
         let Some(before) = self.start.before else {
@@ -36,7 +37,8 @@ impl Run<'_> {
                 let pyramids = Pyramids::new(scene, None);
                 let elements = run.elements(&pyramids, target);
                 let receivers = ReceiverMeshes::new(scene, run.settings.max_edge, None)?;
-                Ok((pyramids.into(), elements.into(), receivers.into(), target))
+                let receivers = Receivers::same(receivers.into());
+                Ok((pyramids.into(), elements.into(), receivers, target))
             });
         };
         let (old, target) = (before.stages, before.stages.plan.target);
@@ -61,20 +63,20 @@ impl Run<'_> {
         Elements::new(self.scene, &surfaces, target, self.settings.max_reflectance)
     }
 
-    fn receivers(&self, old: &Stages, change: &Change) -> Result<Arc<ReceiverMeshes>, BakeError> {
-        let count = old.receivers.meshes.len();
+    fn receivers(&self, old: &Stages, change: &Change) -> Result<Receivers, BakeError> {
+        let count = old.receivers.fine.meshes.len();
         if change.mesh_before.iter().copied().eq((0..count).map(Some)) {
             return Ok(old.receivers.clone());
         }
         let before = MeshesBefore {
-            meshes: &old.receivers,
+            meshes: &old.receivers.fine,
             same: &change.mesh_before,
             object: &change.object_before,
         };
         let max_edge = self.settings.max_edge;
         let mut receivers = ReceiverMeshes::new(self.scene, max_edge, Some(&before))?;
         before.share_refinements(&mut receivers);
-        Ok(receivers.into())
+        Ok(Receivers::same(receivers.into()))
     }
 
     pub(super) fn occlusion(

@@ -22,7 +22,7 @@ use super::gather::{Aids, Gather};
 use super::observer::{Observer, Stage};
 use super::occlusion::{Hierarchy, Occluders};
 use super::parallel::Cancelled;
-use super::receiver_mesh::ReceiverMeshes;
+use super::receivers::Receivers;
 use super::report::Work;
 use super::sampling_error::SamplingError;
 use super::settings::BakeSettings;
@@ -46,7 +46,7 @@ struct Run<'a> {
 struct Solved {
     pyramids: Arc<Pyramids>,
     elements: Arc<Elements>,
-    receivers: Arc<ReceiverMeshes>,
+    receivers: Receivers,
     hierarchy: Arc<Hierarchy>,
     emitters: Arc<EmitterTree>,
     traced: Arc<Traced>,
@@ -92,7 +92,7 @@ pub(crate) fn run(
     let (gathered, samples) = run.gather(&gather, &solved.receivers, &solved.solution)?;
     let fitted = run.fit(&samples, &solved.receivers)?;
     let bake = Bake {
-        objects: solved.receivers.object_light(&fitted.light),
+        objects: solved.receivers.fine.object_light(&fitted.light),
         report: run.findings(&solved).report(Some(&VertexFindings {
             receivers: &solved.receivers,
             lit_from_behind: &lit_from_behind,
@@ -177,7 +177,7 @@ impl<'a> Run<'a> {
         };
         let traced = self.form_factors(&view)?;
         let (direct, arrived) = self.direct(&view, &traced)?;
-        let solution = self.solve(&elements, &traced, &arrived, &receivers)?;
+        let solution = self.solve(&elements, &traced, &arrived, &receivers.fine)?;
         let error = self.error(&view, &traced, &solution)?;
         Ok(Solved {
             pyramids,

@@ -4,25 +4,67 @@ use super::Run;
 use crate::radiosity::bake::BakeError;
 use crate::radiosity::element::{Elements, SEEN_FROM_BEHIND};
 use crate::radiosity::emitter_tree::{EmitterTree, Leaf};
-use crate::radiosity::fit::{Fit, fit};
+use crate::radiosity::fit::{Fit, Samples, fit};
 use crate::radiosity::form_factor::GONE;
-use crate::radiosity::gather::{Gather, GatherBefore, GatherCost, density};
-use crate::radiosity::gathered::{Gathered, Shining, TriangleSamples};
+use crate::radiosity::gather::{Gather, GatherBefore, GatherCost, Validity, density};
+use crate::radiosity::gathered::{
+    Bundle, ByTriangle, Gathered, SharpLight, Shining, TriangleSamples,
+};
 use crate::radiosity::observer::Stage;
 use crate::radiosity::parallel::map_ranges;
-use crate::radiosity::receiver_mesh::ReceiverMeshes;
+use crate::radiosity::receiver_mesh::ReceiverMesh;
+use crate::radiosity::receivers::Receivers;
 use crate::radiosity::solve::Solution;
 
 /// Triangles a thread takes at a time.
 const CHUNK: usize = 32;
 
+/// What rays from a triangle of the coarse meshes tell of samples on it.
+enum Met {
+    /// Which of them are not inside geometry.
+    Samples(Arc<Bundle>),
+    /// None is.
+    Sound,
+    /// Some may be.
+    Doubtful,
+}
+
+impl Met {
+    fn new(bundle: &Arc<Bundle>, same_mesh: bool) -> Self {
+        if same_mesh {
+            Self::Samples(bundle.clone())
+        } else if bundle.doubtful() {
+            Self::Doubtful
+        } else {
+            Self::Sound
+        }
+    }
+
+    fn validity(&self) -> Validity<'_> {
+        match self {
+            Self::Samples(bundle) => Validity::Known(bundle),
+            Self::Sound => Validity::Sound,
+            Self::Doubtful => Validity::Doubtful,
+        }
+    }
+}
+
+/// Object and triangle, of all.
+fn triangles(meshes: &[ReceiverMesh]) -> Vec<(usize, usize)> {
+    (meshes.iter().enumerate())
+        .flat_map(|(o, m)| (0..m.triangles.len()).map(move |t| (o, t)))
+        .collect()
+}
+
 /// From the light of elements to that of vertices.
 impl Run<'_> {
-    /// Samples per square root of a triangle's area.
-    pub(super) fn density(&self, receivers: &ReceiverMeshes) -> f32 {
+    /// Samples per square root of a triangle's area, of the coarse meshes and of the fine ones.
+    pub(super) fn density(&self, receivers: &Receivers) -> [f32; 2] {
         (self.start.plan.map(|p| p.density))
             .or(self.start.before.map(|b| b.stages.plan.density))
-            .unwrap_or_else(|| density(receivers, self.settings))
+            .unwrap_or_else(|| {
+                [&receivers.coarse, &receivers.fine].map(|m| density(m, self.settings))
+            })
     }
 
     /// Which objects are seen from behind: double-sided ones whose front gets next to no light,
@@ -78,60 +120,123 @@ impl Run<'_> {
     pub(super) fn gather(
         &mut self,
         gather: &Gather,
-        receivers: &ReceiverMeshes,
+        receivers: &Receivers,
         solution: &Solution,
-    ) -> Result<(Gathered, Vec<TriangleSamples>), BakeError> {
+    ) -> Result<(Gathered, Samples), BakeError> {
         let shining = Shining::new(
             gather.elements,
             &solution.reflected,
             (&self.scene.lights, self.scene.sky),
             self.settings.gather_rays,
         );
-        let meshes = &receivers.meshes;
-        let list: Vec<(u32, u32)> = (meshes.iter().enumerate())
-            .flat_map(|(o, m)| (0..m.triangles.len() as u32).map(move |t| (o as u32, t)))
-            .collect();
+        let objects = self.objects_to_gather(gather);
+        let (bundles, smooth, validity) =
+            self.gather_smooth(gather, receivers, &shining, &objects)?;
+        let (sharp_light, sharp) =
+            self.gather_sharp(gather, receivers, &shining, &objects, &validity)?;
+        let gathered = Gathered {
+            bundles,
+            sharp: sharp_light,
+        };
+        Ok((gathered, Samples { smooth, sharp }))
+    }
+
+    /// Light that rays gather, in the coarse meshes.
+    fn gather_smooth(
+        &mut self,
+        gather: &Gather,
+        receivers: &Receivers,
+        shining: &Shining,
+        objects: &[Option<usize>],
+    ) -> Result<
+        (
+            ByTriangle<Arc<Bundle>>,
+            Vec<TriangleSamples>,
+            ByTriangle<Met>,
+        ),
+        BakeError,
+    > {
+        let meshes = &receivers.coarse.meshes;
+        let list = triangles(meshes);
         self.stage(Stage::Gather, |run| {
-            let objects = run.objects_to_gather(gather);
-            let before = run.before().map(|(old, change)| GatherBefore {
-                gathered: &old.gathered,
-                change,
-                object_before: &objects,
-                new_emitters: change.new_emitters,
-                new_reflectors: !gather
-                    .reflectors
-                    .tree
-                    .same_leaves_as(&old.plan.bright, change.elements_now()),
-            });
+            let before = run.before_gather(gather, objects);
             let chunks = map_ranges(list.len(), CHUNK, Stage::Gather, run.observer, |range| {
+                let mut rays = 0;
+                let each = list[range].iter().map(|&(o, t)| {
+                    let mesh = &meshes[o];
+                    let bundle = gather.bundle(mesh, o, t, before.as_ref(), &mut rays);
+                    let samples = shining.gathered(&bundle, mesh, t);
+                    let met = Met::new(&bundle, receivers.is_same(o));
+                    (samples, met, run.start.remember.then_some(bundle))
+                });
+                (each.collect::<Vec<_>>(), rays)
+            })?;
+            let (mut bundles, mut met) = (ByTriangle::of(meshes), ByTriangle::of(meshes));
+            let mut samples = Vec::with_capacity(list.len());
+            for (each, rays) in chunks {
+                run.work.gather_rays += rays;
+                for (sample, m, bundle) in each {
+                    samples.push(sample);
+                    met.list.push(m);
+                    bundles.list.extend(bundle);
+                }
+            }
+            Ok((bundles, samples, met))
+        })
+    }
+
+    /// Light with sharp edges, in the fine meshes.
+    fn gather_sharp(
+        &mut self,
+        gather: &Gather,
+        receivers: &Receivers,
+        shining: &Shining,
+        objects: &[Option<usize>],
+        met: &ByTriangle<Met>,
+    ) -> Result<(ByTriangle<SharpLight>, Vec<TriangleSamples>), BakeError> {
+        let meshes = &receivers.fine.meshes;
+        let list = triangles(meshes);
+        self.stage(Stage::Shadows, |run| {
+            let before = run.before_gather(gather, objects);
+            let chunks = map_ranges(list.len(), CHUNK, Stage::Shadows, run.observer, |range| {
                 let mut cost = GatherCost::default();
                 let each = list[range].iter().map(|&(o, t)| {
-                    let (mesh, o, t) = (&meshes[o as usize], o as usize, t as usize);
-                    let light = gather.triangle(mesh, o, t, before.as_ref(), &mut cost);
-                    let samples = shining.fill(&light, mesh, t);
+                    let mesh = &meshes[o];
+                    let validity = met.at(o, receivers.coarse_triangle(o, t)).validity();
+                    let light = gather.sharp(mesh, o, t, validity, before.as_ref(), &mut cost);
+                    let samples = shining.arrived(&light, mesh, t);
                     (samples, run.start.remember.then_some(light))
                 });
                 (each.collect::<Vec<_>>(), cost)
             })?;
-            let mut gathered = Gathered {
-                triangles: Vec::new(),
-                first_of_object: vec![0],
-            };
-            for mesh in meshes {
-                let end = gathered.first_of_object.last().copied().unwrap_or(0);
-                gathered.first_of_object.push(end + mesh.triangles.len());
-            }
+            let mut light = ByTriangle::of(meshes);
             let mut samples = Vec::with_capacity(list.len());
             for (each, cost) in chunks {
                 run.work.gather_rays += cost.rays;
                 run.work.light_rays += cost.shadow.lights;
                 run.work.emitter_rays += cost.shadow.emitters;
-                for (sample, light) in each {
+                for (sample, l) in each {
                     samples.push(sample);
-                    gathered.triangles.extend(light);
+                    light.list.extend(l);
                 }
             }
-            Ok((gathered, samples))
+            Ok((light, samples))
+        })
+    }
+
+    fn before_gather<'g>(
+        &'g self,
+        gather: &Gather,
+        objects: &'g [Option<usize>],
+    ) -> Option<GatherBefore<'g>> {
+        let (old, change) = self.before()?;
+        Some(GatherBefore {
+            gathered: &old.gathered,
+            change,
+            object_before: objects,
+            new_emitters: change.new_emitters,
+            new_reflectors: !(gather.reflectors.tree)
+                .same_leaves_as(&old.plan.bright, change.elements_now()),
         })
     }
 
@@ -148,8 +253,8 @@ impl Run<'_> {
 
     pub(super) fn fit(
         &mut self,
-        samples: &[TriangleSamples],
-        receivers: &ReceiverMeshes,
+        samples: &Samples,
+        receivers: &Receivers,
     ) -> Result<Fit, BakeError> {
         let known = match (self.start.plan, self.start.before) {
             (Some(plan), _) => Some(&plan.smoothing),
@@ -158,9 +263,8 @@ impl Run<'_> {
             _ => None,
         };
         self.stage(Stage::Fit, |run| {
-            let unknowns = (receivers.unknowns, &*receivers.seams);
             let observer = run.observer;
-            let fitted = fit(samples, unknowns, known, &|| !observer.cancelled())?;
+            let fitted = fit(samples, receivers, known, &|| !observer.cancelled())?;
             run.work.fits += 1;
             run.work.cross_validations += u64::from(known.is_none());
             Ok(fitted)
