@@ -92,11 +92,22 @@ pub(super) struct SettingsArgs {
     /// Where to start from
     #[arg(long, value_enum, default_value = "balanced")]
     pub(super) preset: Preset,
-    /// Split mesh edges longer than this, in metres, above 0, so that large faces have vertices to
-    /// carry light [default: keep the vertices as given]
-    #[arg(long, value_name = "METRES", value_parser = positive, conflicts_with = "no_refine")]
+    /// Error asked for, relative RMSE: 0.02 is 2 % of the mean light. Vertices and rays are added until
+    /// the bake's own estimate is below, 0.001 to 1 [draft 0.05, balanced 0.02, final 0.01]
+    #[arg(long, value_name = "E", value_parser = error)]
+    error: Option<f32>,
+    /// Vertices of the result at most; those given are kept in any case [default: 1000000]
+    #[arg(long, value_name = "N")]
+    max_vertices: Option<u32>,
+    /// Stop looking for less error after so many seconds, with the best result so far
+    /// [default: no limit]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    max_seconds: Option<f32>,
+    /// Split mesh edges longer than this, in metres, above 0, whatever the light [default: leave it to
+    /// the light]
+    #[arg(long, value_name = "METRES", value_parser = positive)]
     pub(super) max_edge: Option<f32>,
-    /// Keep the vertices as given
+    /// Do not place vertices by the light: keep those given, and those of --max-edge
     #[arg(long)]
     pub(super) no_refine: bool,
     /// Pieces of surface that bounced light is solved on, about, 1 to 4000000 [draft 4000,
@@ -186,10 +197,10 @@ impl SettingsArgs {
         };
         BakeSettings {
             max_edge: self.max_edge,
-            refine: preset.refine,
-            error: preset.error,
-            max_vertices: preset.max_vertices,
-            max_seconds: preset.max_seconds,
+            refine: !self.no_refine,
+            error: self.error.unwrap_or(preset.error),
+            max_vertices: self.max_vertices.unwrap_or(preset.max_vertices),
+            max_seconds: self.max_seconds.or(preset.max_seconds),
             elements: self.elements.unwrap_or(preset.elements),
             element_rays: self.element_rays.unwrap_or(preset.element_rays),
             gather_rays: self.gather_rays.unwrap_or(preset.gather_rays),
@@ -233,6 +244,10 @@ fn within(text: &str, fits: impl Fn(f32) -> bool, limits: &str) -> Result<f32, S
 
 fn positive(text: &str) -> Result<f32, String> {
     within(text, |v| v > 0.0, "above 0")
+}
+
+fn error(text: &str) -> Result<f32, String> {
+    within(text, |v| (0.001..=1.0).contains(&v), "0.001 to 1")
 }
 
 fn samples(text: &str) -> Result<f32, String> {

@@ -92,9 +92,6 @@ fn make(
     let loaded = Loaded::check(file)?;
     times.push(("validate", loaded.validate));
     go_on(session)?;
-    if args.settings.no_refine {
-        settings.max_edge = None;
-    }
     let needed = estimate_counts(&loaded.scene, &settings).bytes;
     memory::check(needed, args.settings.max_memory)?;
     settings.max_memory = u64::MAX;

@@ -193,6 +193,14 @@ impl Elements {
         sum / self.iter_area().sum::<f64>().max(f64::MIN_POSITIVE)
     }
 
+    /// Area-weighted mean of light, and mean over channels.
+    pub(crate) fn mean_of(&self, light: &[Vec3]) -> f64 {
+        let sum: f64 = (self.iter_area().zip(light))
+            .map(|(a, l)| a * f64::from(l.element_sum()))
+            .sum();
+        sum / (3.0 * self.iter_area().sum::<f64>()).max(f64::MIN_POSITIVE)
+    }
+
     /// The element that a ray hit; `None` for the black back of a one-sided surface.
     #[inline]
     pub(crate) fn at(&self, hit: &Hit) -> Option<ElementId> {

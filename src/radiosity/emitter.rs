@@ -78,6 +78,11 @@ impl<'a> Emitters<'a> {
         }
     }
 
+    /// Whether what is sampled is reflected light.
+    pub(crate) fn are_reflectors(&self) -> bool {
+        self.light == Light::Reflected
+    }
+
     /// Which elements' light is sampled: rays that meet them count in part.
     pub(crate) fn marks(&self, elements: &Elements) -> Vec<bool> {
         let mut marks = vec![false; elements.len()];

@@ -77,7 +77,7 @@ pub fn estimate(
     let mut estimate = estimate_counts(scene, settings);
     let mut split = None;
     if estimate.vertices < TRY_VERTICES {
-        let receivers = ReceiverMeshes::new(scene, settings.max_edge, None)?;
+        let receivers = ReceiverMeshes::new(scene, settings, None)?;
         estimate.vertices = receivers.vertex_count() as u64;
         let triangles = receivers.meshes.iter().map(|m| m.triangles.len() as u64);
         let triangles: u64 = triangles.sum();

@@ -8,6 +8,7 @@ use super::fit::{Fit, Samples};
 use super::form_factor::{FormFactors, Traced};
 use super::observer::Stage;
 use super::receivers::Receivers;
+use super::refine::Refinement;
 use super::report::{Counts, EnergyBalance, ErrorEstimate, Report, Stopped, Work};
 use super::sampling_error::SamplingError;
 use super::settings::BakeSettings;
@@ -44,6 +45,7 @@ pub(crate) struct VertexFindings<'a> {
     pub(crate) lit_from_behind: &'a [bool],
     pub(crate) samples: &'a Samples,
     pub(crate) fitted: &'a Fit,
+    pub(crate) refinement: &'a Refinement,
 }
 
 impl Findings<'_> {
@@ -65,18 +67,36 @@ impl Findings<'_> {
                     (size_of_val(&*v.samples.smooth) + size_of_val(&*v.samples.sharp)) as u64
                 }),
             energy,
-            error: ErrorEstimate::default(),
-            stopped: Stopped::default(),
+            error: vertices.map_or_else(ErrorEstimate::default, |v| self.error(v)),
+            stopped: vertices.map_or_else(Stopped::default, |v| v.refinement.stopped),
             form_factors: self.traced.report.clone(),
             solver: self.solution.report.clone(),
             element_error: COVER * self.error.elements,
-            sampling_error: vertices.map_or(0.0, |v| {
-                COVER * v.fitted.smoothing.sampling_error.hypot(self.error.vertices)
-            }),
+            sampling_error: vertices.map_or(0.0, |v| self.sampling_error(v)),
             mean_light: vertices.map_or(0.0, |v| v.fitted.mean),
             work: self.work,
             notes,
         }
+    }
+
+    fn sampling_error(&self, vertices: &VertexFindings) -> f32 {
+        COVER * (vertices.fitted.smoothing.sampling_error).hypot(self.error.vertices)
+    }
+
+    /// How far off the vertices' light is, by source.
+    fn error(&self, vertices: &VertexFindings) -> ErrorEstimate {
+        let mean = self.elements.mean_of(&self.solution.arriving);
+        let beside_mean = |e: f64| if mean > 0.0 { (e / mean) as f32 } else { 0.0 };
+        let mut error = ErrorEstimate {
+            total: 0.0,
+            meshing: vertices.refinement.error as f32,
+            sampling: self.sampling_error(vertices),
+            elements: 0.0,
+            solver: beside_mean(self.solution.report.error_bound),
+        };
+        let parts = [error.meshing, error.sampling, error.elements, error.solver];
+        error.total = parts.iter().map(|e| e * e).sum::<f32>().sqrt();
+        error
     }
 
     fn counts(&self, vertices: Option<&VertexFindings>) -> Counts {

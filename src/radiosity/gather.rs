@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::bounds::{Bounds, Reach, Sphere};
 use super::change::Change;
 use super::direct::{ShadowRays, add, crosses, light_seed, shines};
-use super::element::Elements;
+use super::element::{ElementId, Elements};
 use super::emitter::{Emitters, Receiver};
 use super::form_factor::{BLACK, GONE, SKY};
 use super::gathered::{
@@ -15,7 +15,7 @@ use super::gathered::{
 use super::identity::object_seeds;
 use super::illumination::illumination;
 use super::light::{DirectLight, Light};
-use super::occlusion::{NO_TRIANGLE, OFFSET, Occluders};
+use super::occlusion::{Hit, NO_TRIANGLE, OFFSET, Occluders};
 use super::receiver_mesh::{ReceiverMesh, ReceiverMeshes};
 use super::sampling::{cosine_hemisphere, frame, hash, sobol, triangle as triangle_point};
 use super::settings::BakeSettings;
@@ -89,6 +89,11 @@ impl Aids {
             live: scene.live_indices(),
             seeds: object_seeds(scene),
         }
+    }
+
+    /// The live index of a triangle of an object, or [`NO_TRIANGLE`].
+    pub(crate) fn live(&self, object: usize, triangle: usize) -> u32 {
+        self.live[object][triangle]
     }
 }
 
@@ -209,11 +214,7 @@ impl Gather<'_> {
     ) -> Option<Patch<'m>> {
         let corners = mesh.corners(triangle);
         let live = self.aids.live[object][mesh.source(triangle)];
-        let side = if self.lit_from_behind[object] {
-            -1.0
-        } else {
-            1.0
-        };
+        let side = self.side(object);
         let normal = face_normal(corners) * side;
         if live == NO_TRIANGLE || normal == Vec3::ZERO {
             return None;
@@ -332,24 +333,48 @@ impl Gather<'_> {
             let sheet = self.occluders.transmits(hit.triangle);
             return bundle.push(if sheet { SHEET } else { BLACK }, reach);
         };
-        if !self.marks.iter().any(|m| m[element.0 as usize]) {
+        let receiver = place.receiver(patch.live);
+        let Some([emitted, reflected]) = self.weights(element, &receiver, direction, &hit) else {
             return bundle.push(element.0, reach);
-        }
-        let receiver = patch.receiver(place);
-        let weight = |mark: usize, from: &Emitters| {
-            if self.marks[mark][element.0 as usize] {
-                from.ray_weight(element, &receiver, direction, &hit)
-            } else {
-                1.0
-            }
         };
         bundle.push(SAMPLED, reach);
         bundle.met.push(Met {
             ray,
             element: element.0,
-            emitted: weight(0, &self.emitters),
-            reflected: weight(1, &self.reflectors),
+            emitted,
+            reflected,
         });
+    }
+
+    /// How much counts of what an element emits and reflects, that a ray met; `None` if all of it does
+    /// because neither is sampled.
+    pub(crate) fn weights(
+        &self,
+        element: ElementId,
+        receiver: &Receiver,
+        direction: Vec3,
+        hit: &Hit,
+    ) -> Option<[f32; 2]> {
+        if !self.marks.iter().any(|m| m[element.0 as usize]) {
+            return None;
+        }
+        let weight = |mark: usize, from: &Emitters| {
+            if self.marks[mark][element.0 as usize] {
+                from.ray_weight(element, receiver, direction, hit)
+            } else {
+                1.0
+            }
+        };
+        Some([weight(0, &self.emitters), weight(1, &self.reflectors)])
+    }
+
+    /// The side of an object that is lit: 1 for the front, −1 for the back.
+    pub(crate) fn side(&self, object: usize) -> f32 {
+        if self.lit_from_behind[object] {
+            -1.0
+        } else {
+            1.0
+        }
     }
 
     /// What each light brings to a triangle. Dark lights, and those of the engine, wait until they
@@ -378,7 +403,7 @@ impl Gather<'_> {
         let mut sum = Share::default();
         for &i in valid {
             let &(b, ref place) = patch.place(i);
-            let receiver = patch.receiver(place);
+            let receiver = place.receiver(patch.live);
             let light = &self.scene.lights[l];
             let brings = illumination(light, &self.occluders, &receiver, (seed, i), rays);
             sum += patch.share(i, b * brings);
@@ -405,7 +430,7 @@ impl Gather<'_> {
             for &i in valid {
                 let &(b, ref place) = patch.place(i);
                 let block = i * from.samples..(i + 1) * from.samples;
-                let receiver = patch.receiver(place);
+                let receiver = place.receiver(patch.live);
                 *rays += from.sample(
                     self.elements,
                     &self.occluders,
@@ -472,14 +497,6 @@ impl Patch<'_> {
         &places[i as usize]
     }
 
-    fn receiver(&self, place: &Place) -> Receiver {
-        Receiver {
-            position: place.position,
-            normal: place.shading,
-            triangle: self.live,
-        }
-    }
-
     /// Light at sample `i`, times the weights of the corners there, as part of the whole.
     fn share(&self, i: u32, light: Vec3) -> Share {
         Share::of_half(i % 2, light * (self.area / self.samples as f32))
@@ -487,15 +504,33 @@ impl Patch<'_> {
 }
 
 /// A sample's place on the surface.
-struct Place {
+pub(crate) struct Place {
     /// Lifted off the surface.
-    position: Vec3,
-    geometric: Vec3,
+    pub(crate) position: Vec3,
+    pub(crate) geometric: Vec3,
     /// Interpolated normal that the surface is shaded with.
-    shading: Vec3,
+    pub(crate) shading: Vec3,
 }
+
 impl Place {
-    fn new(mesh: &ReceiverMesh, triangle: usize, b: Vec3, geometric: Vec3, side: f32) -> Self {
+    /// As a receiver on a live triangle.
+    pub(crate) fn receiver(&self, live: u32) -> Receiver {
+        Receiver {
+            position: self.position,
+            normal: self.shading,
+            triangle: live,
+        }
+    }
+
+    /// The point `b` of a triangle, on the side of its normal `geometric`, which is `side` times that
+    /// of the mesh.
+    pub(crate) fn new(
+        mesh: &ReceiverMesh,
+        triangle: usize,
+        b: Vec3,
+        geometric: Vec3,
+        side: f32,
+    ) -> Self {
         let vertices = mesh.triangles[triangle].map(|v| v as usize);
         let [p, q, r] = vertices.map(|v| mesh.positions[v]);
         let normals = vertices.map(|v| mesh.normals[v] * side);

@@ -4,7 +4,8 @@ use std::sync::Arc;
 use glam::{Vec3, Vec3A};
 
 use super::bounds::Reach;
-use super::element::Elements;
+use super::element::{ElementId, Elements};
+use super::emitter::Emitters;
 use super::form_factor::{BLACK, GONE, SKY};
 use super::light::{DirectLight, Light};
 use super::receiver_mesh::ReceiverMesh;
@@ -322,6 +323,26 @@ impl<'a> Shining<'a> {
             lights,
             sky,
             rays: rays as usize,
+        }
+    }
+
+    /// What leaves an element that a ray met: all of it, or so much of what it emits and reflects.
+    pub(crate) fn of(&self, element: ElementId, weights: Option<[f32; 2]>) -> Vec3 {
+        let e = element.0 as usize;
+        match weights {
+            None => self.seen[e].into(),
+            Some([emitted, reflected]) => {
+                self.elements.emission[e] * emitted + Vec3::from(self.reflected[e]) * reflected
+            }
+        }
+    }
+
+    /// What is sampled of an element.
+    pub(crate) fn sampled(&self, from: &Emitters, element: u32) -> Vec3 {
+        if from.are_reflectors() {
+            self.reflected[element as usize].into()
+        } else {
+            self.elements.emission[element as usize]
         }
     }
 

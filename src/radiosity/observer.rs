@@ -3,6 +3,9 @@ use super::partial::PartialLight;
 /// A step of a [`bake`](super::bake), in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
+    /// Surfaces are cut along the lines where they touch or cross, if vertices are to be placed by the
+    /// light.
+    Contacts,
     /// Long edges are split; surfaces are cut and merged into elements.
     Mesh,
     /// The ray-tracing hierarchy over the input triangles is built; how much of the view each
@@ -16,6 +19,8 @@ pub enum Stage {
     Solve,
     /// A few elements are asked again, to tell how large the sampling error is.
     Error,
+    /// Meshes get vertices where the light needs them, if asked.
+    Refine,
     /// Irradiance is gathered inside the mesh's triangles.
     Gather,
     /// Light of lights and emitters is sampled inside the mesh's triangles, with its shadows.
@@ -28,13 +33,15 @@ pub enum Stage {
 
 impl Stage {
     /// All stages of a bake, in the order they run.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
+        Self::Contacts,
         Self::Mesh,
         Self::Occlusion,
         Self::FormFactors,
         Self::Direct,
         Self::Solve,
         Self::Error,
+        Self::Refine,
         Self::Gather,
         Self::Shadows,
         Self::Fit,
@@ -43,12 +50,14 @@ impl Stage {
     /// A short name for people.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Contacts => "contacts",
             Self::Mesh => "mesh",
             Self::Occlusion => "occlusion",
             Self::FormFactors => "form factors",
             Self::Direct => "direct light",
             Self::Solve => "solve",
             Self::Error => "sampling error",
+            Self::Refine => "refine",
             Self::Gather => "gather",
             Self::Shadows => "shadows",
             Self::Fit => "fit vertices",

@@ -2,8 +2,10 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::receiver_mesh::ReceiverMeshes;
-use crate::mesh::RefinedMesh;
+use super::receiver_mesh::{MeshesBefore, ReceiverMeshes};
+use super::refine::Refinement;
+use super::validate::ValidScene;
+use crate::mesh::{Refined, RefinedMesh};
 
 /// The meshes that light is put on.
 ///
@@ -26,6 +28,38 @@ impl Receivers {
             coarse: meshes.clone(),
             fine: meshes,
         }
+    }
+
+    /// The meshes given, refined.
+    pub(crate) fn new(
+        scene: &ValidScene,
+        given: &Arc<ReceiverMeshes>,
+        refinement: &Refinement,
+    ) -> Self {
+        let refine = |meshes: &Arc<ReceiverMeshes>, by: &[Option<Arc<Refined>>]| {
+            if by.iter().all(Option::is_none) {
+                meshes.clone()
+            } else {
+                meshes.refined(scene, by).into()
+            }
+        };
+        let coarse = refine(given, &refinement.coarse);
+        let step = |by: &Option<Arc<Refined>>| Some(Arc::new(by.as_ref()?.mesh.clone()));
+        Self {
+            fine: refine(&coarse, &refinement.fine),
+            steps: refinement.fine.iter().map(step).collect(),
+            coarse,
+        }
+    }
+
+    /// Where a mesh is what it was before, makes it the same one.
+    pub(crate) fn share_results(&mut self, old: &Self, object_before: &[Option<usize>]) {
+        let before = MeshesBefore {
+            meshes: &old.fine,
+            same: &[],
+            object: object_before,
+        };
+        before.share_refinements(Arc::make_mut(&mut self.fine));
     }
 
     /// The coarse triangle that a fine one lies on.

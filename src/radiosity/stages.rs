@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::cut::Cuts;
 use super::direct::Direct;
 use super::element::Elements;
 use super::emitter_tree::EmitterTree;
@@ -9,7 +10,9 @@ use super::fit::Smoothing;
 use super::form_factor::Traced;
 use super::gathered::Gathered;
 use super::occlusion::Hierarchy;
+use super::receiver_mesh::ReceiverMeshes;
 use super::receivers::Receivers;
+use super::refine::Refinement;
 use super::sampling_error::SamplingError;
 use super::settings::BakeSettings;
 use super::solve::Solution;
@@ -19,8 +22,12 @@ use super::validate::ValidScene;
 /// What the stages of a bake made, to be taken up by the next.
 #[derive(Clone)]
 pub(crate) struct Stages {
+    /// The scene with its surfaces cut where they touch, if any were.
+    pub(crate) cut_scene: Option<Arc<ValidScene>>,
     pub(crate) pyramids: Arc<Pyramids>,
     pub(crate) elements: Arc<Elements>,
+    /// The meshes before they were refined.
+    pub(crate) given: Arc<ReceiverMeshes>,
     pub(crate) receivers: Receivers,
     pub(crate) hierarchy: Arc<Hierarchy>,
     pub(crate) traced: Arc<Traced>,
@@ -47,6 +54,9 @@ pub(crate) struct Plan {
     /// Elements to sample for the light they reflect.
     pub(crate) bright: Arc<EmitterTree>,
     pub(crate) lit_from_behind: Vec<bool>,
+    /// How objects are cut where they touch.
+    pub(crate) cuts: Cuts,
+    pub(crate) refinement: Arc<Refinement>,
     pub(crate) smoothing: Smoothing,
 }
 
@@ -69,6 +79,17 @@ pub(crate) struct Start<'a> {
     pub(crate) remember: bool,
 }
 
+impl<'a> Start<'a> {
+    /// Start from an earlier bake as its stages saw it, with surfaces cut where they touch.
+    pub(crate) fn in_cut_scene(self) -> Self {
+        let before = self.before.map(|b| Before {
+            scene: b.stages.cut_scene(b.scene),
+            ..b
+        });
+        Self { before, ..self }
+    }
+}
+
 impl Stages {
     /// Whether rays and shadow rays of all samples found the same.
     #[cfg(test)]
@@ -85,10 +106,16 @@ impl Stages {
             && self.direct.same(&other.direct)
     }
 
+    /// The scene that was baked, as it was cut.
+    pub(crate) fn cut_scene<'a>(&'a self, scene: &'a ValidScene) -> &'a ValidScene {
+        self.cut_scene.as_deref().unwrap_or(scene)
+    }
+
     /// Bytes held.
     pub(crate) fn bytes(&self) -> u64 {
         self.pyramids.bytes()
             + self.elements.bytes()
+            + self.given.bytes()
             + self.receivers.bytes()
             + self.hierarchy.bytes()
             + self.traced.bytes()

@@ -1,5 +1,8 @@
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 
+use super::cut::Cuts;
 use super::light::{Light, LightKind};
 use super::mend::{live_triangles, mend_lights, mend_materials, mend_normals};
 use super::occlusion::NO_TRIANGLE;
@@ -98,7 +101,7 @@ pub enum SceneError {
 pub struct ValidScene {
     pub(crate) objects: Vec<Object>,
     pub(crate) materials: Vec<Material>,
-    pub(crate) textures: Vec<Texture>,
+    pub(crate) textures: Arc<Vec<Texture>>,
     pub(crate) lights: Vec<Light>,
     pub(crate) sky: Vec3,
     /// Metres per internal unit, a power of two.
@@ -108,6 +111,8 @@ pub struct ValidScene {
     /// Triangles that block or receive light: not degenerate, those that block no duplicates.
     pub(crate) triangles: Vec<TriangleKey>,
     pub(crate) notes: Vec<String>,
+    /// How objects were cut where others touch them; empty if they were not.
+    pub(crate) cuts: Cuts,
 }
 
 /// Which triangle of which object.
@@ -208,11 +213,12 @@ impl Scene {
             scale,
             objects: self.objects,
             materials: self.materials,
-            textures: self.textures,
+            textures: self.textures.into(),
             lights: self.lights,
             sky: self.sky,
             triangles: Vec::new(),
             notes: Vec::new(),
+            cuts: Cuts::new(),
         };
         normalise_frame(&mut scene, center - self.origin);
         mend_materials(&mut scene, &mut notes);

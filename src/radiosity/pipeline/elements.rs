@@ -15,7 +15,6 @@ use crate::radiosity::observer::Stage;
 use crate::radiosity::occlusion::{Hierarchy, Holds, Occluders};
 use crate::radiosity::partial::PartialLight;
 use crate::radiosity::receiver_mesh::{MeshesBefore, ReceiverMeshes};
-use crate::radiosity::receivers::Receivers;
 use crate::radiosity::sampling_error::{Judge, SamplingError};
 use crate::radiosity::solve::{Solution, System, Watch, solve};
 use crate::radiosity::stages::{Before, Stages};
@@ -27,7 +26,7 @@ impl Run<'_> {
     /// Elements, the meshes that receive light, and an element's area.
     pub(super) fn mesh(
         &mut self,
-    ) -> Result<(Arc<Pyramids>, Arc<Elements>, Receivers, f32), BakeError> {
+    ) -> Result<(Arc<Pyramids>, Arc<Elements>, Arc<ReceiverMeshes>, f32), BakeError> {
         let scene = self.scene;
         let planned = self.start.plan.map(|p| p.target);
         let Some(before) = self.start.before else {
@@ -36,9 +35,8 @@ impl Run<'_> {
                     planned.unwrap_or_else(|| Elements::target(scene, run.settings.elements));
                 let pyramids = Pyramids::new(scene, None);
                 let elements = run.elements(&pyramids, target);
-                let receivers = ReceiverMeshes::new(scene, run.settings.max_edge, None)?;
-                let receivers = Receivers::same(receivers.into());
-                Ok((pyramids.into(), elements.into(), receivers, target))
+                let receivers = ReceiverMeshes::new(scene, run.settings, None)?;
+                Ok((pyramids.into(), elements.into(), receivers.into(), target))
             });
         };
         let (old, target) = (before.stages, before.stages.plan.target);
@@ -46,7 +44,7 @@ impl Run<'_> {
             let sides = ((before.scene, &*old.elements), (scene, &*old.elements));
             self.change = Some(Change::between(sides.0, sides.1));
             let kept = old.clone();
-            return Ok((kept.pyramids, kept.elements, kept.receivers, target));
+            return Ok((kept.pyramids, kept.elements, kept.given, target));
         }
         self.stage(Stage::Mesh, |run| {
             let pyramids = Pyramids::new(scene, Some((before.scene, &old.pyramids)));
@@ -63,20 +61,19 @@ impl Run<'_> {
         Elements::new(self.scene, &surfaces, target, self.settings.max_reflectance)
     }
 
-    fn receivers(&self, old: &Stages, change: &Change) -> Result<Receivers, BakeError> {
-        let count = old.receivers.fine.meshes.len();
+    fn receivers(&self, old: &Stages, change: &Change) -> Result<Arc<ReceiverMeshes>, BakeError> {
+        let count = old.given.meshes.len();
         if change.mesh_before.iter().copied().eq((0..count).map(Some)) {
-            return Ok(old.receivers.clone());
+            return Ok(old.given.clone());
         }
         let before = MeshesBefore {
-            meshes: &old.receivers.fine,
+            meshes: &old.given,
             same: &change.mesh_before,
             object: &change.object_before,
         };
-        let max_edge = self.settings.max_edge;
-        let mut receivers = ReceiverMeshes::new(self.scene, max_edge, Some(&before))?;
+        let mut receivers = ReceiverMeshes::new(self.scene, self.settings, Some(&before))?;
         before.share_refinements(&mut receivers);
-        Ok(Receivers::same(receivers.into()))
+        Ok(receivers.into())
     }
 
     pub(super) fn occlusion(

@@ -11,6 +11,7 @@ use glam::Vec3;
 use super::bake::BakeError;
 use super::baked::Bake;
 use super::change::Change;
+use super::cut::{self, Cuts};
 use super::direct::Direct;
 use super::element::Elements;
 use super::element_light::ElementLight;
@@ -22,7 +23,8 @@ use super::gather::{Aids, Gather};
 use super::observer::{Observer, Stage};
 use super::occlusion::{Hierarchy, Occluders};
 use super::parallel::Cancelled;
-use super::receivers::Receivers;
+use super::gathered::Shining;
+use super::receiver_mesh::ReceiverMeshes;
 use super::report::Work;
 use super::sampling_error::SamplingError;
 use super::settings::BakeSettings;
@@ -46,7 +48,8 @@ struct Run<'a> {
 struct Solved {
     pyramids: Arc<Pyramids>,
     elements: Arc<Elements>,
-    receivers: Receivers,
+    /// The receiving meshes, before the light refines them.
+    given: Arc<ReceiverMeshes>,
     hierarchy: Arc<Hierarchy>,
     emitters: Arc<EmitterTree>,
     traced: Arc<Traced>,
@@ -66,14 +69,19 @@ pub(crate) fn run(
     start: Start,
     observer: &dyn Observer,
 ) -> Result<(Bake, Stages), BakeError> {
-    let mut run = Run::new(scene, settings, start, observer);
+    let begun = Instant::now();
+    let cuts = contacts(scene, settings, &start, observer)?;
+    let cut_scene = cut::apply(scene, &cuts).map(Arc::new);
+    let scene = cut_scene.as_deref().unwrap_or(scene);
+    let mut run = Run::new(scene, settings, start.in_cut_scene(), observer);
+    run.stages.extend(settings.refine.then(|| (Stage::Contacts, begun.elapsed())));
+
     let solved = run.solved()?;
     let surfaces = Surfaces::new(scene, &solved.pyramids);
     let elements = &*solved.elements;
     let lit_from_behind = run.lit_from_behind(elements, &solved.solution);
     let bright = run.bright(elements, &solved.solution);
-    let density = run.density(&solved.receivers);
-    let gather = Gather {
+    let mut gather = Gather {
         scene,
         occluders: Occluders::new(&solved.hierarchy, &surfaces),
         elements,
@@ -85,33 +93,45 @@ pub(crate) fn run(
         ],
         lit_from_behind: &lit_from_behind,
         settings,
-        density,
+        density: [0.0; 2],
         remember: start.remember,
         aids: Aids::new(scene),
     };
-    let (gathered, samples) = run.gather(&gather, &solved.receivers, &solved.solution)?;
-    let fitted = run.fit(&samples, &solved.receivers)?;
+    let shining = Shining::new(
+        elements,
+        &solved.solution.reflected,
+        (&scene.lights, scene.sky),
+        settings.gather_rays,
+    );
+    let (receivers, refinement) = run.refine(&gather, &shining, &solved)?;
+    gather.density = run.density(&receivers);
+    let (gathered, samples) = run.gather(&gather, &shining, &receivers)?;
+    let fitted = run.fit(&samples, &receivers)?;
     let bake = Bake {
-        objects: solved.receivers.fine.object_light(&fitted.light),
+        objects: receivers.fine.object_light(&fitted.light),
         report: run.findings(&solved).report(Some(&VertexFindings {
-            receivers: &solved.receivers,
+            receivers: &receivers,
             lit_from_behind: &lit_from_behind,
             samples: &samples,
             fitted: &fitted,
+            refinement: &refinement,
         })),
     };
     let stages = Stages {
         plan: Plan {
             target: solved.target,
-            density,
+            density: gather.density,
             emitters: solved.emitters,
             bright,
             lit_from_behind,
+            cuts,
+            refinement,
             smoothing: fitted.smoothing,
         },
         pyramids: solved.pyramids,
         elements: solved.elements,
-        receivers: solved.receivers,
+        given: solved.given,
+        receivers,
         hierarchy: solved.hierarchy,
         traced: solved.traced,
         direct: solved.direct,
@@ -119,8 +139,28 @@ pub(crate) fn run(
         solution: solved.solution,
         error: solved.error,
         gathered: Arc::new(gathered),
+        cut_scene,
     };
     Ok((bake, stages))
+}
+
+/// How surfaces are cut where they touch or cross, if vertices are placed by the light at all.
+fn contacts(
+    scene: &ValidScene,
+    settings: &BakeSettings,
+    start: &Start,
+    observer: &dyn Observer,
+) -> Result<Cuts, BakeError> {
+    if !settings.refine {
+        return Ok(Cuts::new());
+    }
+    observer.progress(Stage::Contacts, 0.0);
+    let cuts = cut::cuts(scene, start, observer)?;
+    observer.progress(Stage::Contacts, 1.0);
+    if observer.cancelled() {
+        return Err(BakeError::Cancelled);
+    }
+    Ok(cuts)
 }
 
 /// Passes a scene through the stages up to the solution.
@@ -162,7 +202,7 @@ impl<'a> Run<'a> {
 
     /// The first half: from the scene to the light of its elements.
     fn solved(&mut self) -> Result<Solved, BakeError> {
-        let (pyramids, elements, receivers, target) = self.mesh()?;
+        let (pyramids, elements, given, target) = self.mesh()?;
         let surfaces = Surfaces::new(self.scene, &pyramids);
         let (hierarchy, emitters) = self.occlusion(&surfaces, &elements)?;
         let sampled = Emitters::at_elements(&emitters, self.settings);
@@ -177,12 +217,12 @@ impl<'a> Run<'a> {
         };
         let traced = self.form_factors(&view)?;
         let (direct, arrived) = self.direct(&view, &traced)?;
-        let solution = self.solve(&elements, &traced, &arrived, &receivers.fine)?;
+        let solution = self.solve(&elements, &traced, &arrived, &given)?;
         let error = self.error(&view, &traced, &solution)?;
         Ok(Solved {
             pyramids,
             elements,
-            receivers,
+            given,
             hierarchy,
             emitters,
             traced,

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::Run;
+use super::{Run, Solved};
 use crate::radiosity::bake::BakeError;
 use crate::radiosity::element::{Elements, SEEN_FROM_BEHIND};
 use crate::radiosity::emitter_tree::{EmitterTree, Leaf};
@@ -14,6 +14,7 @@ use crate::radiosity::observer::Stage;
 use crate::radiosity::parallel::map_ranges;
 use crate::radiosity::receiver_mesh::ReceiverMesh;
 use crate::radiosity::receivers::Receivers;
+use crate::radiosity::refine::{Refinement, Refiner};
 use crate::radiosity::solve::Solution;
 
 /// Triangles a thread takes at a time.
@@ -116,24 +117,60 @@ impl Run<'_> {
             })
     }
 
+    /// Puts vertices where the light needs them; where an earlier bake did, they stay.
+    pub(super) fn refine(
+        &mut self,
+        gather: &Gather,
+        shining: &Shining,
+        solved: &Solved,
+    ) -> Result<(Receivers, Arc<Refinement>), BakeError> {
+        let given = &solved.given;
+        if !self.settings.refine {
+            return Ok((Receivers::same(given.clone()), Arc::default()));
+        }
+        if let Some(plan) = self.start.plan {
+            let receivers = Receivers::new(self.scene, given, &plan.refinement);
+            return Ok((receivers, plan.refinement.clone()));
+        }
+        if let Some((old, change)) = self.before() {
+            if Arc::ptr_eq(given, &old.given) {
+                return Ok((old.receivers.clone(), old.plan.refinement.clone()));
+            }
+            let kept = (old.plan.refinement).kept(&old.given, given, &change.object_before);
+            let mut receivers = Receivers::new(self.scene, given, &kept);
+            receivers.share_results(&old.receivers, &change.object_before);
+            return Ok((receivers, kept.into()));
+        }
+        let internal = |edge: f32| edge / self.scene.scale;
+        let max_edge = self.settings.max_edge.map_or(f32::INFINITY, internal);
+        let mean = solved.elements.mean_of(&solved.solution.arriving);
+        self.stage(Stage::Refine, |run| {
+            let refiner = Refiner {
+                gather,
+                shining,
+                observer: run.observer,
+                mean,
+                max_edge,
+            };
+            let refinement = refiner.refine(run.scene, given, run.settings)?;
+            run.work.gather_rays += refinement.rays;
+            let receivers = Receivers::new(run.scene, given, &refinement);
+            Ok((receivers, refinement.into()))
+        })
+    }
+
     /// Light inside the triangles: traced where need be, then put together.
     pub(super) fn gather(
         &mut self,
         gather: &Gather,
+        shining: &Shining,
         receivers: &Receivers,
-        solution: &Solution,
     ) -> Result<(Gathered, Samples), BakeError> {
-        let shining = Shining::new(
-            gather.elements,
-            &solution.reflected,
-            (&self.scene.lights, self.scene.sky),
-            self.settings.gather_rays,
-        );
         let objects = self.objects_to_gather(gather);
         let (bundles, smooth, validity) =
-            self.gather_smooth(gather, receivers, &shining, &objects)?;
+            self.gather_smooth(gather, receivers, shining, &objects)?;
         let (sharp_light, sharp) =
-            self.gather_sharp(gather, receivers, &shining, &objects, &validity)?;
+            self.gather_sharp(gather, receivers, shining, &objects, &validity)?;
         let gathered = Gathered {
             bundles,
             sharp: sharp_light,

@@ -1,0 +1,341 @@
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::face::{FaceLight, Sample};
+use super::probe::{Kind, Probe};
+use crate::mesh::{Bisected, Conforming, Limits, Origin, Part, Refined};
+use crate::radiosity::gather::Gather;
+use crate::radiosity::gathered::Shining;
+use crate::radiosity::observer::{Observer, Stage};
+use crate::radiosity::occlusion::OFFSET;
+use crate::radiosity::parallel::{Cancelled, map_ranges};
+use crate::radiosity::receiver_mesh::{ReceiverMesh, ReceiverMeshes};
+use crate::radiosity::report::Stopped;
+use crate::radiosity::sampling::{hash, sobol, triangle as triangle_point};
+use crate::radiosity::settings::BakeSettings;
+use crate::radiosity::triangle::area;
+use crate::radiosity::validate::{HALF_EXTENT, ValidScene};
+
+/// How the meshes of a scene are refined, by object; `None` where they are not.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Refinement {
+    /// Of the meshes given.
+    pub(crate) coarse: Vec<Option<Arc<Refined>>>,
+    /// Of the coarse meshes.
+    pub(crate) fine: Vec<Option<Arc<Refined>>>,
+    /// Relative RMSE that the meshes leave.
+    pub(crate) error: f64,
+    pub(crate) stopped: Stopped,
+    /// Rays that it took.
+    pub(crate) rays: u64,
+}
+
+impl Refinement {
+    /// What of it fits the meshes of another scene, `before` telling which object was which: an object
+    /// that only moved keeps its own.
+    pub(crate) fn kept(
+        &self,
+        old: &ReceiverMeshes,
+        new: &ReceiverMeshes,
+        before: &[Option<usize>],
+    ) -> Self {
+        let fits = |o: usize, p: usize| {
+            let (new, old) = (&new.meshes[o], &old.meshes[p]);
+            new.triangles == old.triangles && new.positions.len() == old.positions.len()
+        };
+        let kept = |by: &[Option<Arc<Refined>>]| -> Vec<Option<Arc<Refined>>> {
+            (before.iter().enumerate())
+                .map(|(o, p)| by[(*p).filter(|&p| fits(o, p))?].clone())
+                .collect()
+        };
+        Self {
+            coarse: kept(&self.coarse),
+            fine: kept(&self.fine),
+            rays: 0,
+            ..*self
+        }
+    }
+}
+
+/// Refines the meshes of a scene for one kind of light.
+pub(crate) struct Refiner<'a> {
+    pub(crate) gather: &'a Gather<'a>,
+    pub(crate) shining: &'a Shining<'a>,
+    pub(crate) observer: &'a dyn Observer,
+    /// Mean light of the scene, mean over channels: errors are counted beside it.
+    pub(crate) mean: f64,
+    /// Edges longer than this are cut whatever the light, in internal units.
+    pub(crate) max_edge: f32,
+}
+
+/// When to stop.
+#[derive(Clone, Copy, Debug)]
+struct Goal {
+    kind: Kind,
+    /// Relative RMSE that the mesh may leave.
+    error: f64,
+    /// Vertices of all meshes together.
+    max_vertices: usize,
+    /// No edge is cut into halves shorter than this, in internal units.
+    min_edge: f32,
+}
+
+/// What came of it.
+struct Outcome {
+    by: Vec<Option<Arc<Refined>>>,
+    /// Relative RMSE that the mesh leaves.
+    error: f64,
+    /// There were as many vertices as there may be.
+    full: bool,
+    rays: u64,
+}
+
+/// Shares of the error asked for that the meshes may leave, of smooth light and of light with sharp
+/// edges; sampling gets the rest.
+const SMOOTH: f64 = 0.3;
+const SHARP: f64 = 0.6;
+
+/// Share of the vertices that the coarse meshes may have.
+const COARSE: f64 = 0.4;
+
+/// Halves of edges are no shorter than this, in internal units: the scene is 2048 across.
+const MIN_EDGE: f32 = HALF_EXTENT / 4096.0;
+
+/// Each round cuts faces that have this share of the error together.
+const BULK: f64 = 0.6;
+
+/// Rounds at most. A round halves faces, so this many cut any face down to nothing.
+const ROUNDS: usize = 60;
+
+/// Faces a thread judges at a time.
+const CHUNK: usize = 16;
+
+/// Points in a face of this area, in squared internal units (a thousandth of the scene's
+/// cross-section), and as many as their square root tells in larger ones.
+const POINTS: f32 = 8.0;
+const AREA_OF_POINTS: f32 = HALF_EXTENT * HALF_EXTENT / 256.0;
+const MOST_POINTS: u32 = 48;
+
+/// Meshes while they are refined.
+struct Work<'a> {
+    refiner: &'a Refiner<'a>,
+    meshes: &'a [ReceiverMesh],
+    probe: Probe<'a>,
+    /// The object of each part.
+    objects: Vec<usize>,
+    conforming: Conforming,
+    faces: Vec<FaceLight>,
+    rays: u64,
+}
+
+impl Refiner<'_> {
+    /// Refines the meshes of a scene: for smooth light, then inside those for light with sharp edges.
+    pub(crate) fn refine(
+        &self,
+        scene: &ValidScene,
+        given: &ReceiverMeshes,
+        settings: &BakeSettings,
+    ) -> Result<Refinement, Cancelled> {
+        let (asked, most) = (f64::from(settings.error), f64::from(settings.max_vertices));
+        let goal = |kind, error: f64, share: f64| Goal {
+            kind,
+            error: asked * error,
+            max_vertices: (share * most) as usize,
+            min_edge: MIN_EDGE,
+        };
+        let smooth = self.run(given, &goal(Kind::Smooth, SMOOTH, COARSE))?;
+        let coarse = given.refined(scene, &smooth.by);
+        let sharp = self.run(&coarse, &goal(Kind::Sharp, SHARP, 1.0))?;
+        let error = smooth.error.hypot(sharp.error);
+        Ok(Refinement {
+            coarse: smooth.by,
+            fine: sharp.by,
+            error,
+            stopped: if error <= asked * SMOOTH.hypot(SHARP) {
+                Stopped::Error
+            } else if smooth.full || sharp.full {
+                Stopped::Vertices
+            } else {
+                Stopped::Limit
+            },
+            rays: smooth.rays + sharp.rays,
+        })
+    }
+
+    /// Refines `meshes` until the goal is reached.
+    fn run(&self, meshes: &ReceiverMeshes, goal: &Goal) -> Result<Outcome, Cancelled> {
+        let mut work = Work::new(self, &meshes.meshes, goal.kind);
+        let kept = meshes.vertex_count() - work.conforming.vertex_count();
+        let limits = Limits {
+            max_vertices: goal.max_vertices.saturating_sub(kept),
+            min_edge: goal.min_edge,
+        };
+        let mut full = !work.cut_long_edges(&limits);
+        let mut stale: BTreeSet<u32> = (0..work.conforming.faces()).collect();
+        let mut error = 0.0;
+        for _ in 0..ROUNDS {
+            work.judge(&stale)?;
+            error = work.error();
+            if full || error <= goal.error {
+                break;
+            }
+            (stale, full) = work.cut_worst(&limits);
+            if stale.is_empty() {
+                break;
+            }
+        }
+        Ok(Outcome {
+            error,
+            full,
+            rays: work.rays,
+            by: work.finish(),
+        })
+    }
+}
+
+impl<'a> Work<'a> {
+    fn new(refiner: &'a Refiner, meshes: &'a [ReceiverMesh], kind: Kind) -> Self {
+        let scene = refiner.gather.scene;
+        let refines = |&o: &usize| scene.objects[o].refine && !meshes[o].triangles.is_empty();
+        let objects: Vec<usize> = (0..meshes.len()).filter(refines).collect();
+        let parts: Vec<Part> = (objects.iter())
+            .map(|&o| Part {
+                positions: &meshes[o].positions,
+                triangles: &meshes[o].triangles,
+                refine: true,
+            })
+            .collect();
+        let conforming = Conforming::new(&parts, OFFSET);
+        Self {
+            faces: vec![FaceLight::default(); conforming.faces() as usize],
+            probe: Probe {
+                gather: refiner.gather,
+                shining: refiner.shining,
+                kind,
+            },
+            refiner,
+            meshes,
+            objects,
+            conforming,
+            rays: 0,
+        }
+    }
+
+    /// Bisects a face and hands its samples on; tells which faces are others now.
+    fn bisect(&mut self, face: u32, limits: &Limits, changed: &mut BTreeSet<u32>) -> Bisected {
+        let faces = &mut self.faces;
+        self.conforming.bisect(face, limits, &mut |cut| {
+            let half = faces[cut.face as usize].split(&cut);
+            faces.push(half);
+            changed.extend([cut.face, cut.half]);
+        })
+    }
+
+    /// Cuts what is longer than the longest edge allowed. Whether there was room.
+    fn cut_long_edges(&mut self, limits: &Limits) -> bool {
+        let mut face = 0;
+        while face < self.conforming.faces() {
+            let [a, b, c] = self.conforming.corners(face);
+            let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+            if longest > self.refiner.max_edge {
+                match self.bisect(face, limits, &mut BTreeSet::new()) {
+                    Bisected::Done => continue,
+                    Bisected::Full => return false,
+                    Bisected::Refused => {}
+                }
+            }
+            face += 1;
+        }
+        true
+    }
+
+    /// Cuts the worst faces. Which faces are others now, and whether the room was used up.
+    fn cut_worst(&mut self, limits: &Limits) -> (BTreeSet<u32>, bool) {
+        let wrong = |f: &u32| self.faces[*f as usize].error() > 0.0;
+        let mut worst: Vec<u32> = (0..self.faces.len() as u32).filter(wrong).collect();
+        let error = |f: &u32| self.faces[*f as usize].error();
+        worst.sort_by(|a, b| error(b).total_cmp(&error(a)).then(a.cmp(b)));
+        let all: f64 = worst.iter().map(error).sum();
+        let errors: Vec<(u32, f64)> = worst.iter().map(|f| (*f, error(f))).collect();
+        let (mut changed, mut cut) = (BTreeSet::new(), 0.0);
+        for (face, error) in errors {
+            if cut >= BULK * all {
+                break;
+            }
+            if changed.contains(&face) {
+                cut += error;
+                continue;
+            }
+            match self.bisect(face, limits, &mut changed) {
+                Bisected::Done => cut += error,
+                Bisected::Refused => {}
+                Bisected::Full => return (changed, true),
+            }
+        }
+        (changed, false)
+    }
+
+    /// Asks for light where faces are new, and judges them.
+    fn judge(&mut self, faces: &BTreeSet<u32>) -> Result<(), Cancelled> {
+        let faces: Vec<u32> = faces.iter().copied().collect();
+        let observer = self.refiner.observer;
+        let asked = map_ranges(faces.len(), CHUNK, Stage::Refine, observer, |range| {
+            let mut rays = 0;
+            let judged = faces[range].iter().map(|&f| self.judged(f, &mut rays));
+            (judged.collect::<Vec<_>>(), rays)
+        })?;
+        let judged = asked.into_iter().flat_map(|(judged, rays)| {
+            self.rays += rays;
+            judged
+        });
+        for (face, light) in faces.into_iter().zip(judged.collect::<Vec<_>>()) {
+            self.faces[face as usize] = light;
+        }
+        Ok(())
+    }
+
+    /// A face with as many points as it needs.
+    fn judged(&self, face: u32, rays: &mut u64) -> FaceLight {
+        let mut light = self.faces[face as usize].clone();
+        let object = self.objects[self.conforming.part(face) as usize];
+        let source = self.conforming.source(face) as usize;
+        let Some(ground) = self.probe.ground(&self.meshes[object], object, source) else {
+            return FaceLight::default();
+        };
+        let area = area(self.conforming.corners(face));
+        let corners = self.conforming.barycentrics(face);
+        let seed = hash(face, self.refiner.gather.settings.seed ^ 0xFACE);
+        let points = (POINTS * (area / AREA_OF_POINTS).sqrt()).max(POINTS) as u32;
+        let missing = points.min(MOST_POINTS).saturating_sub(light.samples.len() as u32);
+        for i in light.asked..light.asked + missing {
+            let [u, v, ..] = sobol(i, 0, seed);
+            let b = triangle_point(u, v);
+            let on_source = corners[0] * b.x + corners[1] * b.y + corners[2] * b.z;
+            if let Some(told) = self.probe.light(&ground, on_source, rays) {
+                light.samples.push(Sample { b, light: told });
+            }
+        }
+        light.asked += missing;
+        light.area = f64::from(area);
+        light.judge();
+        light
+    }
+
+    /// Relative RMSE that the mesh leaves.
+    fn error(&self) -> f64 {
+        let square: f64 = self.faces.iter().map(FaceLight::error).sum();
+        let area: f64 = self.faces.iter().map(|f| f.area).sum();
+        (square.max(0.0) / area.max(f64::MIN_POSITIVE)).sqrt() / self.refiner.mean
+    }
+
+    fn finish(self) -> Vec<Option<Arc<Refined>>> {
+        let mut by = vec![None; self.meshes.len()];
+        for (&object, refined) in self.objects.iter().zip(self.conforming.into_parts()) {
+            let is_new = |o: &Origin| matches!(o, Origin::Midpoint(_));
+            if refined.origins.iter().any(is_new) {
+                by[object] = Some(Arc::new(refined));
+            }
+        }
+        by
+    }
+}

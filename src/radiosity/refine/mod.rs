@@ -1,0 +1,25 @@
+//! Meshes refined by the light: vertices where linear light between them would be wrong, and only
+//! there.
+//!
+//! Light is asked for at points inside each face, and what of it no linear light on the face can
+//! follow is the face's share of the error ([`face`]). The worst faces are bisected, and whatever has
+//! to go with them so that no crack opens ([`Conforming`]); halves inherit the points that lie on
+//! them. Then the new faces are judged, until the error asked for is reached or there are as many
+//! vertices as there may be.
+//!
+//! ```text
+//!   ┌─► ask at points ─► misfit × area ─► the worst faces, half of the error together ─┐
+//!   └──────────────────────────── bisect ◄─────────────────────────────────────────────┘
+//! ```
+//!
+//! That all faces end up with a like share of the error is what makes the mesh the cheapest for it
+//! (Dörfler 1996, "A convergent adaptive algorithm for Poisson's equation", marks like this).
+//!
+//! It is done twice: for the smooth light that rays gather, which few vertices can carry, and inside
+//! that mesh for light with sharp edges, whose shadow rays are cheap.
+
+mod drive;
+mod face;
+mod probe;
+
+pub(crate) use drive::{Refinement, Refiner};

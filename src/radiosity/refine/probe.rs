@@ -1,0 +1,160 @@
+use std::ops::Range;
+
+use glam::Vec3;
+
+use crate::radiosity::direct::shines;
+use crate::radiosity::gather::{Gather, Place};
+use crate::radiosity::gathered::Shining;
+use crate::radiosity::illumination::illumination;
+use crate::radiosity::light::DirectLight;
+use crate::radiosity::occlusion::NO_TRIANGLE;
+use crate::radiosity::receiver_mesh::ReceiverMesh;
+use crate::radiosity::sampling::{cosine_hemisphere, frame, hash, sobol};
+use crate::radiosity::triangle::face_normal;
+
+/// Which kind of light is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// What rays gather: bounced light, sky, wide emitters.
+    Smooth,
+    /// Light of lights and sampled emitters, with its shadows.
+    Sharp,
+}
+
+/// Asks for the light at single points.
+///
+/// Each point is told twice, by two sets of rays. All points share the two sets, so that light
+/// differs from point to point by what is there and not by chance; what chance leaves is another
+/// thing in either set.
+pub(super) struct Probe<'a> {
+    pub(super) gather: &'a Gather<'a>,
+    pub(super) shining: &'a Shining<'a>,
+    pub(super) kind: Kind,
+}
+
+/// A triangle of a receiving mesh, and the side of it that light is put on.
+pub(super) struct Ground<'a> {
+    mesh: &'a ReceiverMesh,
+    triangle: usize,
+    normal: Vec3,
+    side: f32,
+    live: u32,
+}
+
+/// More than this share of rays on black backs, and the point lies inside geometry.
+const INSIDE: f32 = 0.25;
+
+/// Rays that tell whether a point without any light lies inside geometry.
+const PROBES: u32 = 8;
+
+/// Shadow rays to emitters at most, in each set.
+const EMITTER_RAYS: u32 = 8;
+
+impl<'a> Probe<'a> {
+    /// The triangle of an object's mesh; `None` if no light is put on it.
+    pub(super) fn ground(
+        &self,
+        mesh: &'a ReceiverMesh,
+        object: usize,
+        triangle: usize,
+    ) -> Option<Ground<'a>> {
+        let live = self.gather.aids.live(object, mesh.source(triangle));
+        let side = self.gather.side(object);
+        let normal = face_normal(mesh.corners(triangle)) * side;
+        (live != NO_TRIANGLE && normal != Vec3::ZERO).then_some(Ground {
+            mesh,
+            triangle,
+            normal,
+            side,
+            live,
+        })
+    }
+
+    /// Light (irradiance / π) at a point of a triangle, as the two sets of rays tell it; `None` inside
+    /// geometry. `traced` counts rays.
+    pub(super) fn light(&self, ground: &Ground, b: Vec3, traced: &mut u64) -> Option<[Vec3; 2]> {
+        let place = Place::new(ground.mesh, ground.triangle, b, ground.normal, ground.side);
+        match self.kind {
+            Kind::Smooth => {
+                let half = (self.gather.settings.gather_rays / 2).max(1);
+                let a = self.rays(ground, &place, 0..half, traced)?;
+                Some([a, self.rays(ground, &place, half..2 * half, traced)?])
+            }
+            Kind::Sharp => {
+                let light = [0, 1].map(|set| self.sharp(ground, &place, set, traced));
+                let dark = light == [Vec3::ZERO; 2];
+                if dark && self.rays(ground, &place, 0..PROBES, traced).is_none() {
+                    return None;
+                }
+                Some(light)
+            }
+        }
+    }
+
+    /// Mean of what rays meet.
+    fn rays(
+        &self,
+        ground: &Ground,
+        place: &Place,
+        rays: Range<u32>,
+        traced: &mut u64,
+    ) -> Option<Vec3> {
+        let gather = self.gather;
+        let receiver = place.receiver(ground.live);
+        let seed = gather.settings.seed;
+        let around = frame(place.shading);
+        let (mut sum, mut cast, mut black) = (Vec3::ZERO, 0_u32, 0_u32);
+        for ray in rays {
+            let [u, v, ..] = sobol(ray, 2, seed);
+            let direction = around * cosine_hemisphere(u, v);
+            if direction.dot(place.geometric) <= 0.0 {
+                continue;
+            }
+            cast += 1;
+            let chance = hash(seed, ray);
+            let occluders = &gather.occluders;
+            let Some(hit) = occluders.closest(place.position, direction, ground.live, chance) else {
+                sum += gather.scene.sky;
+                continue;
+            };
+            match gather.elements.at(&hit) {
+                None => black += u32::from(!occluders.transmits(hit.triangle)),
+                Some(element) => {
+                    let weights = gather.weights(element, &receiver, direction, &hit);
+                    sum += self.shining.of(element, weights);
+                }
+            }
+        }
+        *traced += u64::from(cast);
+        let inside = black as f32 > INSIDE * cast as f32;
+        (cast > 0 && !inside).then(|| sum / cast as f32)
+    }
+
+    /// What lights and sampled emitters bring, by one of two sets of shadow rays.
+    fn sharp(&self, ground: &Ground, place: &Place, set: u32, traced: &mut u64) -> Vec3 {
+        let gather = self.gather;
+        let receiver = place.receiver(ground.live);
+        let seed = hash(gather.settings.seed, 0x5AA9);
+        let mut sum = Vec3::ZERO;
+        for light in &gather.scene.lights {
+            if light.direct == DirectLight::Baked && shines(light) {
+                let at = (seed, set);
+                sum += light.power * illumination(light, &gather.occluders, &receiver, at, traced);
+            }
+        }
+        for from in [&gather.emitters, &gather.reflectors] {
+            let samples = from.samples.min(EMITTER_RAYS);
+            let block = set * samples..(set + 1) * samples;
+            let brings = |e: u32, light: f32| sum += self.shining.sampled(from, e) * light;
+            *traced += from.sample(
+                gather.elements,
+                &gather.occluders,
+                &receiver,
+                seed,
+                block,
+                brings,
+            );
+        }
+        sum
+    }
+}
