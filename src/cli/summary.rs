@@ -5,6 +5,7 @@ use std::time::Duration;
 use super::bake::Made;
 use super::outputs::Outputs;
 use super::text::{bytes, count, counted, percent, seconds, short};
+use crate::radiosity::Stopped;
 
 /// Notes shown before the rest is left to the report.
 const NOTES: usize = 8;
@@ -97,6 +98,20 @@ fn quality(text: &mut String, made: &Made) {
     );
     let mean = format!("{} cd/m² (irradiance / π)", short(report.mean_light.into()));
     row(text, "mean light", &mean);
+    let (error, of) = (&report.error, |e: f32| percent(e.into()));
+    row(
+        text,
+        "error",
+        &format!(
+            "about {} of the mean: meshing {}, sampling {}, elements {}, solver {}{}",
+            of(error.total),
+            of(error.meshing),
+            of(error.sampling),
+            of(error.elements),
+            of(error.solver),
+            stopped(report.stopped, made)
+        ),
+    );
     let sampling = percent(report.sampling_error.into());
     row(
         text,
@@ -140,5 +155,22 @@ fn notes(text: &mut String, notes: &[String]) {
             text,
             &format!("  - and {} more, see --report", notes.len() - NOTES),
         );
+    }
+}
+
+/// Why no better result was looked for.
+fn stopped(stopped: Stopped, made: &Made) -> String {
+    let asked = percent(made.settings.error.into());
+    match stopped {
+        Stopped::AsGiven => String::new(),
+        Stopped::Error => format!("; {asked} was asked"),
+        Stopped::Vertices => format!(
+            "; stopped at {} of {} vertices allowed, {asked} was asked",
+            count(made.bake.report.counts.vertices),
+            count(made.settings.max_vertices.into())
+        ),
+        Stopped::Memory => format!("; stopped at the memory allowed, {asked} was asked"),
+        Stopped::Seconds => format!("; stopped when the time was over, {asked} was asked"),
+        Stopped::Limit => format!("; no way to come nearer to the {asked} asked"),
     }
 }

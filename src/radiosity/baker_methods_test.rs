@@ -129,7 +129,13 @@ fn colours_trace_nothing_and_keep_the_rows() {
         let what = name(&settings);
         assert_eq!(resumed.report.work.rays(), 0, "{what}");
         assert!(Arc::ptr_eq(&kept(&baker), &rows), "{what}");
-        let expected = [Stage::Mesh, Stage::Solve, Stage::Gather, Stage::Shadows, Stage::Fit];
+        let expected = [
+            Stage::Mesh,
+            Stage::Solve,
+            Stage::Gather,
+            Stage::Shadows,
+            Stage::Fit,
+        ];
         assert_eq!(stages(&resumed.report), expected, "{what}");
         check(&baker, &resumed, &what);
     }

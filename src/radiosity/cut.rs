@@ -101,9 +101,13 @@ pub(crate) fn apply(scene: &ValidScene, cuts: &Cuts) -> Option<ValidScene> {
         ..scene.clone()
     };
     for (o, (object, cut)) in scene.objects.iter().zip(cuts).enumerate() {
-        let object = cut.as_ref().map_or_else(|| object.clone(), |cut| cut_object(object, cut));
+        let object = cut
+            .as_ref()
+            .map_or_else(|| object.clone(), |cut| cut_object(object, cut));
         for (triangle, corners) in object.triangles.iter().enumerate() {
-            let source = cut.as_ref().map_or(triangle, |c| c.mesh.mesh.sources[triangle] as usize);
+            let source = cut
+                .as_ref()
+                .map_or(triangle, |c| c.mesh.mesh.sources[triangle] as usize);
             let is_live = (live[o][source] as usize) < scene.triangles.len();
             if is_live && area(corners.map(|v| object.positions[v as usize])) > 0.0 {
                 after.triangles.push(TriangleKey {
@@ -136,8 +140,15 @@ fn cut_object(object: &Object, cut: &Cut) -> Object {
     let unit = |n: Vec3| n.try_normalize().unwrap_or(n);
     Object {
         positions: mesh.positions(&object.positions, source),
-        normals: blend(mesh, source, &object.normals).into_iter().map(unit).collect(),
-        uvs: object.uvs.iter().map(|set| blend(mesh, source, set)).collect(),
+        normals: blend(mesh, source, &object.normals)
+            .into_iter()
+            .map(unit)
+            .collect(),
+        uvs: object
+            .uvs
+            .iter()
+            .map(|set| blend(mesh, source, set))
+            .collect(),
         colors: blend(mesh, source, &object.colors),
         triangles: mesh.triangles.clone(),
         name: object.name.clone(),

@@ -184,6 +184,15 @@ fn bytes(scene: &ValidScene, settings: &BakeSettings, counts: &Estimate, triangl
         + PER_TEXEL * texels as u64
 }
 
+/// Vertices that fit into the memory allowed, beside everything else; `given` are there in any case.
+pub(crate) fn vertices_within(scene: &ValidScene, settings: &BakeSettings, given: u64) -> usize {
+    // Two triangles a vertex, and all that is kept of samples on them.
+    const PER_VERTEX: u64 = 1600;
+    let fixed = estimate_counts(scene, settings).bytes;
+    let spare = settings.max_memory.saturating_sub(fixed);
+    (given + spare / PER_VERTEX).min(u32::MAX.into()) as usize
+}
+
 /// Bytes of the form-factor matrix and of what the solver makes of it, at the peak.
 fn matrix_bytes(settings: &BakeSettings, elements: u64) -> u64 {
     const ROW_HEAD: u64 = 64;

@@ -4,11 +4,9 @@ use glam::{DVec3, Vec3};
 
 use super::element::Elements;
 use super::emitter_tree::{EmitterTree, WIDE};
-use super::fit::{Fit, Samples};
 use super::form_factor::{FormFactors, Traced};
 use super::observer::Stage;
-use super::receivers::Receivers;
-use super::refine::Refinement;
+use super::pipeline::Pass;
 use super::report::{Counts, EnergyBalance, ErrorEstimate, Report, Stopped, Work};
 use super::sampling_error::SamplingError;
 use super::settings::BakeSettings;
@@ -41,11 +39,8 @@ pub(crate) struct Findings<'a> {
 
 /// What the light of vertices can be asked about.
 pub(crate) struct VertexFindings<'a> {
-    pub(crate) receivers: &'a Receivers,
+    pub(crate) pass: &'a Pass,
     pub(crate) lit_from_behind: &'a [bool],
-    pub(crate) samples: &'a Samples,
-    pub(crate) fitted: &'a Fit,
-    pub(crate) refinement: &'a Refinement,
 }
 
 impl Findings<'_> {
@@ -64,33 +59,37 @@ impl Findings<'_> {
                 + self.traced.rows.bytes()
                 + self.solution.report.bytes
                 + vertices.map_or(0, |v| {
-                    (size_of_val(&*v.samples.smooth) + size_of_val(&*v.samples.sharp)) as u64
+                    (size_of_val(&*v.pass.samples.smooth) + size_of_val(&*v.pass.samples.sharp))
+                        as u64
                 }),
             energy,
             error: vertices.map_or_else(ErrorEstimate::default, |v| self.error(v)),
-            stopped: vertices.map_or_else(Stopped::default, |v| v.refinement.stopped),
+            stopped: vertices.map_or_else(Stopped::default, |v| v.pass.stopped),
             form_factors: self.traced.report.clone(),
             solver: self.solution.report.clone(),
             element_error: COVER * self.error.elements,
             sampling_error: vertices.map_or(0.0, |v| self.sampling_error(v)),
-            mean_light: vertices.map_or(0.0, |v| v.fitted.mean),
+            mean_light: vertices.map_or(0.0, |v| v.pass.fitted.mean),
             work: self.work,
             notes,
         }
     }
 
     fn sampling_error(&self, vertices: &VertexFindings) -> f32 {
-        COVER * (vertices.fitted.smoothing.sampling_error).hypot(self.error.vertices)
+        COVER * (vertices.pass.fitted.smoothing.sampling_error).hypot(self.error.vertices)
     }
 
     /// How far off the vertices' light is, by source.
     fn error(&self, vertices: &VertexFindings) -> ErrorEstimate {
         let mean = self.elements.mean_of(&self.solution.arriving);
         let beside_mean = |e: f64| if mean > 0.0 { (e / mean) as f32 } else { 0.0 };
+        let sampling = self.sampling_error(vertices);
+        // What points apart from the samples found, less what is known to be chance.
+        let found = vertices.pass.control.unwrap_or_default().error as f32;
         let mut error = ErrorEstimate {
             total: 0.0,
-            meshing: vertices.refinement.error as f32,
-            sampling: self.sampling_error(vertices),
+            meshing: (found * found - sampling * sampling).max(0.0).sqrt(),
+            sampling,
             elements: 0.0,
             solver: beside_mean(self.solution.report.error_bound),
         };
@@ -237,17 +236,23 @@ impl Findings<'_> {
 
 impl VertexFindings<'_> {
     fn counts(&self) -> Counts {
-        let samples = &self.samples.smooth;
+        let samples = &self.pass.samples.smooth;
         let vertices_with = |flags: &[bool]| {
-            let unknowns = self.receivers.fine.meshes.iter().flat_map(|m| &m.unknown);
+            let unknowns = self
+                .pass
+                .receivers
+                .fine
+                .meshes
+                .iter()
+                .flat_map(|m| &m.unknown);
             unknowns.filter(|&&u| flags[u as usize]).count() as u64
         };
         Counts {
-            vertices: self.receivers.fine.vertex_count() as u64,
+            vertices: self.pass.receivers.fine.vertex_count() as u64,
             samples: samples.iter().map(|s| u64::from(s.taken)).sum(),
             invalid_samples: samples.iter().map(|s| u64::from(s.invalid)).sum(),
-            filled_vertices: vertices_with(&self.fitted.filled),
-            dark_vertices: vertices_with(&self.fitted.dark),
+            filled_vertices: vertices_with(&self.pass.fitted.filled),
+            dark_vertices: vertices_with(&self.pass.fitted.dark),
             ..Counts::default()
         }
     }
@@ -261,10 +266,10 @@ impl VertexFindings<'_> {
                     object.name
                 ));
             }
-            let dark = self.receivers.fine.meshes[o]
+            let dark = self.pass.receivers.fine.meshes[o]
                 .unknown
                 .iter()
-                .filter(|&&u| self.fitted.dark[u as usize])
+                .filter(|&&u| self.pass.fitted.dark[u as usize])
                 .count();
             if dark > 0 {
                 notes.push(format!(

@@ -26,6 +26,8 @@ pub(crate) struct Smoothing {
     /// Relative RMS of the difference of two fits to half the samples each, halved: the error
     /// that chance leaves in the whole.
     pub(crate) sampling_error: f32,
+    /// The same of each [`Kind`] of light alone.
+    pub(crate) by_kind: [f32; 2],
 }
 
 /// Samples of both kinds of light, by triangle of their meshes.
@@ -130,23 +132,33 @@ pub(crate) fn fit(
             / total
     };
     let level = mean(&|i| f64::from(luminance(whole[i])));
-    let error = match known {
-        Some(known) => known.sampling_error,
+    let (sampling_error, by_kind) = match known {
+        Some(known) => (known.sampling_error, known.by_kind),
         None => {
-            let difference = both(&sharp.difference, &smooth.difference);
-            let variance = mean(&|i| (0.5 * f64::from(luminance(difference[i]))).powi(2));
-            if level > 0.0 {
-                (variance.sqrt() / level) as f32
-            } else {
-                0.0
-            }
+            let smooth = receivers.carried_over(&smooth.difference);
+            let beside_mean = |difference: &dyn Fn(usize) -> Vec3| {
+                let variance = mean(&|i| (0.5 * f64::from(luminance(difference(i)))).powi(2));
+                if level > 0.0 {
+                    (variance.sqrt() / level) as f32
+                } else {
+                    0.0
+                }
+            };
+            (
+                beside_mean(&|i| sharp.difference[i] + smooth[i]),
+                [
+                    beside_mean(&|i| sharp.difference[i]),
+                    beside_mean(&|i| smooth[i]),
+                ],
+            )
         }
     };
     let dark = unreached(&samples.sharp, &sampled);
     Ok(Fit {
         smoothing: Smoothing {
             lambda: [sharp.lambda, smooth.lambda],
-            sampling_error: error,
+            sampling_error,
+            by_kind,
         },
         mean: level as f32,
         filled: (0..unknowns).map(|i| !sampled[i] && !dark[i]).collect(),

@@ -1,3 +1,4 @@
+use super::baked::Bake;
 use super::partial::PartialLight;
 
 /// A step of a [`bake`](super::bake), in order.
@@ -80,6 +81,12 @@ pub trait Observer: Sync {
     /// then eight times a sweep. The solver waits; looking costs something only if one looks.
     fn partial(&self, light: &PartialLight) {
         let _ = light;
+    }
+
+    /// A result, while a better one is looked for: a bake that refines its meshes gives a coarse one
+    /// first. The last one is what the bake returns, and is not told here.
+    fn so_far(&self, bake: &Bake) {
+        let _ = bake;
     }
 
     /// Asked often (every few milliseconds); `true` ends the bake with

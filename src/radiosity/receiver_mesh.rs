@@ -94,7 +94,10 @@ impl ReceiverMeshes {
     pub(crate) fn refined(&self, scene: &ValidScene, by: &[Option<Arc<Refined>>]) -> Self {
         let mut unknowns = self.unknowns;
         let meshes = (self.meshes.iter().zip(by).enumerate()).map(|(o, (mesh, by))| {
-            by.as_ref().map_or_else(|| mesh.clone(), |by| mesh.refined_by(scene, o, by, &mut unknowns))
+            by.as_ref().map_or_else(
+                || mesh.clone(),
+                |by| mesh.refined_by(scene, o, by, &mut unknowns),
+            )
         });
         let meshes: Vec<ReceiverMesh> = meshes.collect();
         Self {
@@ -343,17 +346,24 @@ fn seams(meshes: &[ReceiverMesh]) -> Vec<Vec<u32>> {
     let vertices = (meshes.iter().enumerate())
         .flat_map(|(o, m)| m.normals.iter().zip(&m.unknown).map(move |v| (o, v)));
     for ((object, (&normal, &unknown)), class) in vertices.zip(classes) {
-        at_place.entry(class).or_default().push((object, Corner { normal, unknown }));
+        at_place
+            .entry(class)
+            .or_default()
+            .push((object, Corner { normal, unknown }));
     }
     let mut seams = Vec::new();
     for mut corners in at_place.into_values() {
         // The map's order is not the same in every run, that of the corners is.
         while let Some((object, first)) = corners.pop() {
-            let (same, others): (Vec<_>, Vec<_>) =
-                corners.into_iter().partition(|(_, c)| c.agrees(first.normal));
+            let (same, others): (Vec<_>, Vec<_>) = corners
+                .into_iter()
+                .partition(|(_, c)| c.agrees(first.normal));
             if same.iter().any(|(o, _)| *o != object) {
-                let mut seam: Vec<u32> =
-                    same.iter().map(|(_, c)| c.unknown).chain([first.unknown]).collect();
+                let mut seam: Vec<u32> = same
+                    .iter()
+                    .map(|(_, c)| c.unknown)
+                    .chain([first.unknown])
+                    .collect();
                 seam.sort_unstable();
                 seam.dedup();
                 seams.push(seam);

@@ -12,7 +12,8 @@ use super::gathered::Gathered;
 use super::occlusion::Hierarchy;
 use super::receiver_mesh::ReceiverMeshes;
 use super::receivers::Receivers;
-use super::refine::Refinement;
+use super::refine::{Control, Refinement};
+use super::report::Stopped;
 use super::sampling_error::SamplingError;
 use super::settings::BakeSettings;
 use super::solve::Solution;
@@ -57,6 +58,9 @@ pub(crate) struct Plan {
     /// How objects are cut where they touch.
     pub(crate) cuts: Cuts,
     pub(crate) refinement: Arc<Refinement>,
+    /// How far off the vertices' light was when they were placed, and why no better was looked for.
+    pub(crate) control: Option<Control>,
+    pub(crate) stopped: Stopped,
     pub(crate) smoothing: Smoothing,
 }
 

@@ -1,6 +1,7 @@
 //! A bake from end to end, in two halves: the light of elements, and that of vertices.
 
 mod elements;
+mod passes;
 mod vertices;
 
 use std::sync::Arc;
@@ -8,6 +9,8 @@ use std::time::{Duration, Instant};
 
 use glam::Vec3;
 
+use self::passes::Deadline;
+pub(crate) use self::passes::Pass;
 use super::bake::BakeError;
 use super::baked::Bake;
 use super::change::Change;
@@ -20,10 +23,10 @@ use super::emitter_tree::EmitterTree;
 use super::findings::{Findings, VertexFindings};
 use super::form_factor::{Traced, View};
 use super::gather::{Aids, Gather};
+use super::gathered::Shining;
 use super::observer::{Observer, Stage};
 use super::occlusion::{Hierarchy, Occluders};
 use super::parallel::Cancelled;
-use super::gathered::Shining;
 use super::receiver_mesh::ReceiverMeshes;
 use super::report::Work;
 use super::sampling_error::SamplingError;
@@ -69,12 +72,16 @@ pub(crate) fn run(
     start: Start,
     observer: &dyn Observer,
 ) -> Result<(Bake, Stages), BakeError> {
-    let begun = Instant::now();
+    let (begun, deadline) = (
+        Instant::now(),
+        Deadline::new(observer, settings.max_seconds),
+    );
     let cuts = contacts(scene, settings, &start, observer)?;
     let cut_scene = cut::apply(scene, &cuts).map(Arc::new);
     let scene = cut_scene.as_deref().unwrap_or(scene);
-    let mut run = Run::new(scene, settings, start.in_cut_scene(), observer);
-    run.stages.extend(settings.refine.then(|| (Stage::Contacts, begun.elapsed())));
+    let mut run = Run::new(scene, settings, start.in_cut_scene(), &deadline);
+    run.stages
+        .extend(settings.refine.then(|| (Stage::Contacts, begun.elapsed())));
 
     let solved = run.solved()?;
     let surfaces = Surfaces::new(scene, &solved.pyramids);
@@ -103,42 +110,40 @@ pub(crate) fn run(
         (&scene.lights, scene.sky),
         settings.gather_rays,
     );
-    let (receivers, refinement) = run.refine(&gather, &shining, &solved)?;
-    gather.density = run.density(&receivers);
-    let (gathered, samples) = run.gather(&gather, &shining, &receivers)?;
-    let fitted = run.fit(&samples, &receivers)?;
-    let bake = Bake {
-        objects: receivers.fine.object_light(&fitted.light),
+    let bake = |run: &Run, pass: &Pass| Bake {
+        objects: pass.receivers.fine.object_light(&pass.fitted.light),
         report: run.findings(&solved).report(Some(&VertexFindings {
-            receivers: &receivers,
+            pass,
             lit_from_behind: &lit_from_behind,
-            samples: &samples,
-            fitted: &fitted,
-            refinement: &refinement,
         })),
     };
+    let show = |run: &Run, pass: &Pass| observer.so_far(&bake(run, pass));
+    let pass = run.passes(&mut gather, &shining, &solved, &deadline, &show)?;
+    let bake = bake(&run, &pass);
     let stages = Stages {
         plan: Plan {
             target: solved.target,
-            density: gather.density,
+            density: pass.density,
             emitters: solved.emitters,
             bright,
             lit_from_behind,
             cuts,
-            refinement,
-            smoothing: fitted.smoothing,
+            refinement: pass.refinement,
+            control: pass.control,
+            stopped: pass.stopped,
+            smoothing: pass.fitted.smoothing,
         },
         pyramids: solved.pyramids,
         elements: solved.elements,
         given: solved.given,
-        receivers,
+        receivers: pass.receivers,
         hierarchy: solved.hierarchy,
         traced: solved.traced,
         direct: solved.direct,
         arrived: solved.arrived,
         solution: solved.solution,
         error: solved.error,
-        gathered: Arc::new(gathered),
+        gathered: Arc::new(pass.gathered),
         cut_scene,
     };
     Ok((bake, stages))
@@ -262,7 +267,11 @@ impl<'a> Run<'a> {
         self.observer.progress(stage, 0.0);
         let since = Instant::now();
         let made = work(self)?;
-        self.stages.push((stage, since.elapsed()));
+        let spent = since.elapsed();
+        match self.stages.iter_mut().find(|s| s.0 == stage) {
+            Some(known) => known.1 += spent,
+            None => self.stages.push((stage, spent)),
+        }
         self.observer.progress(stage, 1.0);
         if self.observer.cancelled() {
             return Err(BakeError::Cancelled);

@@ -1,4 +1,5 @@
 use std::sync::Arc;
+use std::time::Instant;
 
 use super::{Run, Solved};
 use crate::radiosity::bake::BakeError;
@@ -14,7 +15,7 @@ use crate::radiosity::observer::Stage;
 use crate::radiosity::parallel::map_ranges;
 use crate::radiosity::receiver_mesh::ReceiverMesh;
 use crate::radiosity::receivers::Receivers;
-use crate::radiosity::refine::{Refinement, Refiner};
+use crate::radiosity::refine::{Asked, Control, Refinement, Refiner};
 use crate::radiosity::solve::Solution;
 
 /// Triangles a thread takes at a time.
@@ -59,12 +60,14 @@ fn triangles(meshes: &[ReceiverMesh]) -> Vec<(usize, usize)> {
 
 /// From the light of elements to that of vertices.
 impl Run<'_> {
-    /// Samples per square root of a triangle's area, of the coarse meshes and of the fine ones.
-    pub(super) fn density(&self, receivers: &Receivers) -> [f32; 2] {
+    /// Samples per square root of a triangle's area, of the coarse meshes and of the fine ones; where
+    /// that is not known from an earlier bake, so many times what the settings say.
+    pub(super) fn density(&self, receivers: &Receivers, times: [f32; 2]) -> [f32; 2] {
         (self.start.plan.map(|p| p.density))
             .or(self.start.before.map(|b| b.stages.plan.density))
             .unwrap_or_else(|| {
-                [&receivers.coarse, &receivers.fine].map(|m| density(m, self.settings))
+                let meshes = [&receivers.coarse, &receivers.fine];
+                [0, 1].map(|i| times[i] * density(meshes[i], self.settings))
             })
     }
 
@@ -117,30 +120,35 @@ impl Run<'_> {
             })
     }
 
-    /// Puts vertices where the light needs them; where an earlier bake did, they stay.
+    /// The meshes of an earlier bake, or those given: for a bake that places no vertices itself.
+    pub(super) fn known_receivers(&self, solved: &Solved) -> Option<(Receivers, Arc<Refinement>)> {
+        let given = &solved.given;
+        if !self.settings.refine {
+            return Some((Receivers::same(given.clone()), Arc::default()));
+        }
+        if let Some(plan) = self.start.plan {
+            let receivers = Receivers::new(self.scene, given, &plan.refinement);
+            return Some((receivers, plan.refinement.clone()));
+        }
+        let (old, change) = self.before()?;
+        if Arc::ptr_eq(given, &old.given) {
+            return Some((old.receivers.clone(), old.plan.refinement.clone()));
+        }
+        let kept = (old.plan.refinement).kept(&old.given, given, &change.object_before);
+        let mut receivers = Receivers::new(self.scene, given, &kept);
+        receivers.share_results(&old.receivers, &change.object_before);
+        Some((receivers, kept.into()))
+    }
+
+    /// Puts vertices where the light needs them.
     pub(super) fn refine(
         &mut self,
         gather: &Gather,
         shining: &Shining,
         solved: &Solved,
+        asked: &Asked,
+        until: Option<Instant>,
     ) -> Result<(Receivers, Arc<Refinement>), BakeError> {
-        let given = &solved.given;
-        if !self.settings.refine {
-            return Ok((Receivers::same(given.clone()), Arc::default()));
-        }
-        if let Some(plan) = self.start.plan {
-            let receivers = Receivers::new(self.scene, given, &plan.refinement);
-            return Ok((receivers, plan.refinement.clone()));
-        }
-        if let Some((old, change)) = self.before() {
-            if Arc::ptr_eq(given, &old.given) {
-                return Ok((old.receivers.clone(), old.plan.refinement.clone()));
-            }
-            let kept = (old.plan.refinement).kept(&old.given, given, &change.object_before);
-            let mut receivers = Receivers::new(self.scene, given, &kept);
-            receivers.share_results(&old.receivers, &change.object_before);
-            return Ok((receivers, kept.into()));
-        }
         let internal = |edge: f32| edge / self.scene.scale;
         let max_edge = self.settings.max_edge.map_or(f32::INFINITY, internal);
         let mean = solved.elements.mean_of(&solved.solution.arriving);
@@ -151,11 +159,28 @@ impl Run<'_> {
                 observer: run.observer,
                 mean,
                 max_edge,
+                until,
             };
-            let refinement = refiner.refine(run.scene, given, run.settings)?;
+            let refinement = refiner.refine(run.scene, &solved.given, asked)?;
             run.work.gather_rays += refinement.rays;
-            let receivers = Receivers::new(run.scene, given, &refinement);
+            let receivers = Receivers::new(run.scene, &solved.given, &refinement);
             Ok((receivers, refinement.into()))
+        })
+    }
+
+    /// How far off the vertices' light is.
+    pub(super) fn control(
+        &mut self,
+        gather: &Gather,
+        shining: &Shining,
+        receivers: &Receivers,
+        fitted: &Fit,
+    ) -> Result<Control, BakeError> {
+        self.stage(Stage::Error, |run| {
+            let meshes = &receivers.fine;
+            let control = Control::run(gather, shining, meshes, &fitted.light, run.observer)?;
+            run.work.error_rays += control.rays;
+            Ok(control)
         })
     }
 

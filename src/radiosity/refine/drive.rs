@@ -1,5 +1,6 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::time::Instant;
 
 use super::face::{FaceLight, Sample};
 use super::probe::{Kind, Probe};
@@ -10,9 +11,7 @@ use crate::radiosity::observer::{Observer, Stage};
 use crate::radiosity::occlusion::OFFSET;
 use crate::radiosity::parallel::{Cancelled, map_ranges};
 use crate::radiosity::receiver_mesh::{ReceiverMesh, ReceiverMeshes};
-use crate::radiosity::report::Stopped;
 use crate::radiosity::sampling::{hash, sobol, triangle as triangle_point};
-use crate::radiosity::settings::BakeSettings;
 use crate::radiosity::triangle::area;
 use crate::radiosity::validate::{HALF_EXTENT, ValidScene};
 
@@ -25,7 +24,8 @@ pub(crate) struct Refinement {
     pub(crate) fine: Vec<Option<Arc<Refined>>>,
     /// Relative RMSE that the meshes leave.
     pub(crate) error: f64,
-    pub(crate) stopped: Stopped,
+    /// There were as many vertices as there may be.
+    pub(crate) full: bool,
     /// Rays that it took.
     pub(crate) rays: u64,
 }
@@ -66,6 +66,16 @@ pub(crate) struct Refiner<'a> {
     pub(crate) mean: f64,
     /// Edges longer than this are cut whatever the light, in internal units.
     pub(crate) max_edge: f32,
+    /// When to be done at the latest.
+    pub(crate) until: Option<Instant>,
+}
+
+/// What is asked of a refinement.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Asked {
+    /// Relative RMSE that the meshes may leave.
+    pub(crate) error: f64,
+    pub(crate) max_vertices: usize,
 }
 
 /// When to stop.
@@ -90,10 +100,10 @@ struct Outcome {
     rays: u64,
 }
 
-/// Shares of the error asked for that the meshes may leave, of smooth light and of light with sharp
-/// edges; sampling gets the rest.
-const SMOOTH: f64 = 0.3;
-const SHARP: f64 = 0.6;
+/// Shares of the error that the meshes may leave, of smooth light and of light with sharp edges:
+/// together 1, as squares add up.
+const SMOOTH: f64 = 0.45;
+const SHARP: f64 = 0.89;
 
 /// Share of the vertices that the coarse meshes may have.
 const COARSE: f64 = 0.4;
@@ -134,30 +144,22 @@ impl Refiner<'_> {
         &self,
         scene: &ValidScene,
         given: &ReceiverMeshes,
-        settings: &BakeSettings,
+        asked: &Asked,
     ) -> Result<Refinement, Cancelled> {
-        let (asked, most) = (f64::from(settings.error), f64::from(settings.max_vertices));
         let goal = |kind, error: f64, share: f64| Goal {
             kind,
-            error: asked * error,
-            max_vertices: (share * most) as usize,
+            error: asked.error * error,
+            max_vertices: (share * asked.max_vertices as f64) as usize,
             min_edge: MIN_EDGE,
         };
         let smooth = self.run(given, &goal(Kind::Smooth, SMOOTH, COARSE))?;
         let coarse = given.refined(scene, &smooth.by);
         let sharp = self.run(&coarse, &goal(Kind::Sharp, SHARP, 1.0))?;
-        let error = smooth.error.hypot(sharp.error);
         Ok(Refinement {
+            error: smooth.error.hypot(sharp.error),
+            full: smooth.full || sharp.full,
             coarse: smooth.by,
             fine: sharp.by,
-            error,
-            stopped: if error <= asked * SMOOTH.hypot(SHARP) {
-                Stopped::Error
-            } else if smooth.full || sharp.full {
-                Stopped::Vertices
-            } else {
-                Stopped::Limit
-            },
             rays: smooth.rays + sharp.rays,
         })
     }
@@ -176,7 +178,7 @@ impl Refiner<'_> {
         for _ in 0..ROUNDS {
             work.judge(&stale)?;
             error = work.error();
-            if full || error <= goal.error {
+            if full || error <= goal.error || self.is_late() {
                 break;
             }
             (stale, full) = work.cut_worst(&limits);
@@ -190,6 +192,12 @@ impl Refiner<'_> {
             rays: work.rays,
             by: work.finish(),
         })
+    }
+}
+
+impl Refiner<'_> {
+    fn is_late(&self) -> bool {
+        self.until.is_some_and(|until| Instant::now() > until)
     }
 }
 
@@ -212,6 +220,7 @@ impl<'a> Work<'a> {
                 gather: refiner.gather,
                 shining: refiner.shining,
                 kind,
+                seed: refiner.gather.settings.seed,
             },
             refiner,
             meshes,
@@ -306,7 +315,9 @@ impl<'a> Work<'a> {
         let corners = self.conforming.barycentrics(face);
         let seed = hash(face, self.refiner.gather.settings.seed ^ 0xFACE);
         let points = (POINTS * (area / AREA_OF_POINTS).sqrt()).max(POINTS) as u32;
-        let missing = points.min(MOST_POINTS).saturating_sub(light.samples.len() as u32);
+        let missing = points
+            .min(MOST_POINTS)
+            .saturating_sub(light.samples.len() as u32);
         for i in light.asked..light.asked + missing {
             let [u, v, ..] = sobol(i, 0, seed);
             let b = triangle_point(u, v);

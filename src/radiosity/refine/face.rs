@@ -93,9 +93,8 @@ impl FaceLight {
         for sample in &self.samples {
             let b = sample.b.as_dvec3();
             for channel in 0..3 {
-                let [a, c] = [0, 1].map(|set| {
-                    f64::from(sample.light[set][channel]) - b.dot(fits[set][channel])
-                });
+                let [a, c] = [0, 1]
+                    .map(|set| f64::from(sample.light[set][channel]) - b.dot(fits[set][channel]));
                 sum += a * c;
             }
         }
@@ -117,7 +116,10 @@ mod tests {
         let samples = (0..n).map(|i| {
             let [u, v, ..] = sobol(i, 0, 3);
             let b = triangle(u, v);
-            Sample { b, light: light(b, i) }
+            Sample {
+                b,
+                light: light(b, i),
+            }
         });
         FaceLight {
             samples: samples.collect(),
@@ -162,7 +164,11 @@ mod tests {
         for edge in 0..3_u8 {
             let before = face(32, |b, _| [place(corners, b); 2]);
             let mut first = before.clone();
-            let second = first.split(&Bisection { face: 0, half: 1, edge });
+            let second = first.split(&Bisection {
+                face: 0,
+                half: 1,
+                edge,
+            });
             assert_eq!(first.samples.len() + second.samples.len(), 32);
             let (i, j) = (usize::from(edge), (usize::from(edge) + 1) % 3);
             let middle = 0.5 * (corners[i] + corners[j]);

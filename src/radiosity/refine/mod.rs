@@ -18,8 +18,10 @@
 //! It is done twice: for the smooth light that rays gather, which few vertices can carry, and inside
 //! that mesh for light with sharp edges, whose shadow rays are cheap.
 
+mod control;
 mod drive;
 mod face;
 mod probe;
 
-pub(crate) use drive::{Refinement, Refiner};
+pub(crate) use control::Control;
+pub(crate) use drive::{Asked, Refinement, Refiner};

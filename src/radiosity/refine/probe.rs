@@ -23,13 +23,15 @@ pub(crate) enum Kind {
 
 /// Asks for the light at single points.
 ///
-/// Each point is told twice, by two sets of rays. All points share the two sets, so that light
-/// differs from point to point by what is there and not by chance; what chance leaves is another
-/// thing in either set.
+/// Each point is told twice, by two sets of rays. Points asked with one seed share the two sets, so
+/// that light differs from point to point by what is there and not by chance; what chance leaves is
+/// another thing in either set.
 pub(super) struct Probe<'a> {
     pub(super) gather: &'a Gather<'a>,
     pub(super) shining: &'a Shining<'a>,
     pub(super) kind: Kind,
+    /// Of the two sets of rays.
+    pub(super) seed: u32,
 }
 
 /// A triangle of a receiving mesh, and the side of it that light is put on.
@@ -101,7 +103,7 @@ impl<'a> Probe<'a> {
     ) -> Option<Vec3> {
         let gather = self.gather;
         let receiver = place.receiver(ground.live);
-        let seed = gather.settings.seed;
+        let seed = self.seed;
         let around = frame(place.shading);
         let (mut sum, mut cast, mut black) = (Vec3::ZERO, 0_u32, 0_u32);
         for ray in rays {
@@ -113,7 +115,8 @@ impl<'a> Probe<'a> {
             cast += 1;
             let chance = hash(seed, ray);
             let occluders = &gather.occluders;
-            let Some(hit) = occluders.closest(place.position, direction, ground.live, chance) else {
+            let Some(hit) = occluders.closest(place.position, direction, ground.live, chance)
+            else {
                 sum += gather.scene.sky;
                 continue;
             };
@@ -134,7 +137,7 @@ impl<'a> Probe<'a> {
     fn sharp(&self, ground: &Ground, place: &Place, set: u32, traced: &mut u64) -> Vec3 {
         let gather = self.gather;
         let receiver = place.receiver(ground.live);
-        let seed = hash(gather.settings.seed, 0x5AA9);
+        let seed = hash(self.seed, 0x5AA9);
         let mut sum = Vec3::ZERO;
         for light in &gather.scene.lights {
             if light.direct == DirectLight::Baked && shines(light) {
