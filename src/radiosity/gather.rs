@@ -7,7 +7,7 @@ use super::bounds::{Bounds, Reach, Sphere};
 use super::change::Change;
 use super::direct::{ShadowRays, add, crosses, light_seed, shines};
 use super::element::Elements;
-use super::emitter::{Emitters, Receiver};
+use super::emitter::{Emitters, Group, Receiver};
 use super::form_factor::{BLACK, GONE, SKY};
 use super::gathered::{Bundle, Gathered, Met, NOT_CAST, SAMPLED, SHEET, Share, TriangleLight};
 use super::identity::object_seeds;
@@ -336,27 +336,33 @@ impl Gather<'_> {
         bundle: &Bundle,
         rays: &mut u64,
     ) -> Arc<[(u32, Share)]> {
+        if from.tree.leaves.is_empty() {
+            return Arc::default();
+        }
         let mut sums = Vec::new();
         let seed = if salt == 0 {
             patch.seed
         } else {
             hash(patch.seed, salt)
         };
-        if !from.tree.leaves.is_empty() {
-            for i in bundle.valid() {
-                let &(b, ref place) = patch.place(i);
-                let block = i * from.samples..(i + 1) * from.samples;
-                let receiver = patch.receiver(place);
-                *rays += from.sample(
-                    self.elements,
-                    &self.occluders,
-                    &receiver,
-                    seed,
-                    block,
-                    |element, light| add(&mut sums, element, patch.share(i, b * light)),
-                );
-            }
-        }
+        let samples: Vec<u32> = bundle.valid().collect();
+        let receiver = |&i: &u32| (patch.block(i), patch.receiver(&patch.place(i).1));
+        let receivers: Vec<_> = samples.iter().map(receiver).collect();
+        let group = Group {
+            receivers: &receivers,
+            blocks: patch.samples,
+            rays: from.samples,
+            seed,
+        };
+        *rays += from.light(
+            self.elements,
+            &self.occluders,
+            &group,
+            |k, element, light| {
+                let i = samples[k];
+                add(&mut sums, element, patch.share(i, patch.place(i).0 * light));
+            },
+        );
         sums.into()
     }
 }
@@ -414,6 +420,12 @@ impl Patch<'_> {
             normal: place.shading,
             triangle: self.live,
         }
+    }
+
+    /// Which block of a sequence sample `i` takes: those of a half-set follow each other, so that
+    /// each half is spread evenly.
+    fn block(&self, i: u32) -> u32 {
+        i / 2 + i % 2 * (self.samples / 2)
     }
 
     /// Light at sample `i`, times the weights of the corners there, as part of the whole.
