@@ -5,7 +5,7 @@ use glam::{Vec3, Vec3A};
 use super::bounds::{Disturbed, Sphere};
 use super::change::Change;
 use super::element::{ElementId, Elements};
-use super::emitter::{Emitters, Receiver};
+use super::emitter::{Emitters, Group, Receiver};
 use super::form_factor::{Traced, View};
 use super::illumination::illumination;
 use super::light::{Light, LightKind};
@@ -171,21 +171,18 @@ impl<'a> Sampler<'a> {
     /// The same of emitters, by element that shines.
     fn sampled(&self, e: usize, points: Range<u32>, rays: &mut u64) -> Vec<(u32, f32)> {
         let seed = self.seed(e);
-        let share = self.emitters.samples.div_ceil(self.emitter_points());
+        let blocks = self.emitter_points();
         let count = points.len() as f32;
+        let receivers: Vec<_> = points.map(|i| (i, self.receiver(e, i, seed))).collect();
+        let group = Group {
+            receivers: &receivers,
+            blocks,
+            rays: self.emitters.samples.div_ceil(blocks),
+            seed,
+        };
         let mut sums: Vec<(u32, f32)> = Vec::new();
-        for i in points {
-            let receiver = self.receiver(e, i, seed);
-            let block = i * share..(i + 1) * share;
-            *rays += self.emitters.sample(
-                self.elements,
-                &self.occluders,
-                &receiver,
-                seed,
-                block,
-                |from, light| add(&mut sums, from, light / count),
-            );
-        }
+        let found = |_, from, light| add(&mut sums, from, light / count);
+        *rays += (self.emitters).light(self.elements, &self.occluders, &group, found);
         sums
     }
 

@@ -7,7 +7,7 @@ use super::bounds::{Bounds, Reach, Sphere};
 use super::change::Change;
 use super::direct::{ShadowRays, add, crosses, light_seed, shines};
 use super::element::{ElementId, Elements};
-use super::emitter::{Emitters, Receiver};
+use super::emitter::{Emitters, Group, Receiver};
 use super::form_factor::{BLACK, GONE, SKY};
 use super::gathered::{
     Bundle, Gathered, Met, NOT_CAST, SAMPLED, SHEET, SamplePlaces, Share, SharpLight,
@@ -420,27 +420,32 @@ impl Gather<'_> {
         valid: &[u32],
         rays: &mut u64,
     ) -> Arc<[(u32, Share)]> {
+        if from.tree.leaves.is_empty() {
+            return Arc::default();
+        }
         let mut sums = Vec::new();
         let seed = if salt == 0 {
             patch.seed
         } else {
             hash(patch.seed, salt)
         };
-        if !from.tree.leaves.is_empty() {
-            for &i in valid {
-                let &(b, ref place) = patch.place(i);
-                let block = i * from.samples..(i + 1) * from.samples;
-                let receiver = place.receiver(patch.live);
-                *rays += from.sample(
-                    self.elements,
-                    &self.occluders,
-                    &receiver,
-                    seed,
-                    block,
-                    |element, light| add(&mut sums, element, patch.share(i, b * light)),
-                );
-            }
-        }
+        let receiver = |&i: &u32| (patch.block(i), patch.place(i).1.receiver(patch.live));
+        let receivers: Vec<_> = valid.iter().map(receiver).collect();
+        let group = Group {
+            receivers: &receivers,
+            blocks: patch.samples,
+            rays: from.samples,
+            seed,
+        };
+        *rays += from.light(
+            self.elements,
+            &self.occluders,
+            &group,
+            |k, element, light| {
+                let i = valid[k];
+                add(&mut sums, element, patch.share(i, patch.place(i).0 * light));
+            },
+        );
         sums.into()
     }
 }
@@ -495,6 +500,12 @@ impl Patch<'_> {
         };
         let places = (self.places).get_or_init(|| (0..self.samples).map(place).collect());
         &places[i as usize]
+    }
+
+    /// Which block of a sequence sample `i` takes: those of a half-set follow each other, so that
+    /// each half is spread evenly.
+    fn block(&self, i: u32) -> u32 {
+        i / 2 + i % 2 * (self.samples / 2)
     }
 
     /// Light at sample `i`, times the weights of the corners there, as part of the whole.

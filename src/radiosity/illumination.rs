@@ -3,6 +3,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 
 use super::emitter::Receiver;
+use super::facet::Facet;
 use super::light::{Light, LightKind};
 use super::occlusion::{NO_TRIANGLE, Occluders};
 use super::sampling::sobol;
@@ -98,8 +99,8 @@ fn range_falloff(distance: f32, range: f32) -> f32 {
     (1.0 - (distance / range).powi(4)).powi(2)
 }
 
-/// A rectangle's light: the form factor in closed form, times the share that shadow rays find
-/// visible, each weighted by what it would bring.
+/// A rectangle's light: its form factor times the share that shadow rays find visible (see
+/// [`Facet`]).
 fn rectangle(
     kind: LightKind,
     occluders: &Occluders,
@@ -119,103 +120,29 @@ fn rectangle(
         return 0.0;
     };
     let fade = range_falloff(position.distance(receiver.position), range);
-    let in_front = direction.dot(receiver.position - position) > 0.0;
-    if fade == 0.0 || !in_front || width * height <= 0.0 {
+    if fade == 0.0 || width * height <= 0.0 {
         return 0.0;
     }
     let (across, up) = (right * width, direction.cross(right) * height);
     let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
-        .map(|(u, v)| position + across * u + up * v - receiver.position);
-    let factor = point_to_polygon(receiver.normal, &corners);
-    if factor <= 0.0 {
+        .map(|(u, v)| position + across * u + up * v);
+    let Some(facet) = Facet::new(receiver, corners, direction) else {
         return 0.0;
-    }
+    };
     let (mut seen, mut whole) = (0.0, 0.0);
     for i in index * RECT_RAYS..(index + 1) * RECT_RAYS {
         let [u, v, ..] = sobol(i, 3, seed);
-        let to = position + across * (u - 0.5) + up * (v - 0.5) - receiver.position;
-        let distance = to.length();
-        let way = to / distance;
-        let brings = receiver.normal.dot(way) * -direction.dot(way) / (distance * distance);
-        if brings > 0.0 {
+        if let Some(way) = facet.way(receiver.normal, [u, v]) {
             *traced += 1;
             let skip = [receiver.triangle, NO_TRIANGLE];
-            whole += brings;
-            seen += brings * occluders.transmittance(receiver.position, way, distance, skip);
+            let (from, to) = (receiver.position, way.direction());
+            whole += way.brings;
+            seen += way.brings * occluders.transmittance(from, to, way.distance, skip);
         }
     }
     if whole > 0.0 {
-        factor * (seen / whole) * fade / (PI * width * height)
+        facet.factor as f32 * (seen / whole) * fade / (PI * width * height)
     } else {
         0.0
-    }
-}
-
-/// Form factor from a point with normal `n` to a polygon given by corners relative to the point,
-/// the part below the horizon left out: Lambert's formula, `1/2π Σ γ_k (n · Γ_k)` over the edges.
-fn point_to_polygon(n: Vec3, corners: &[Vec3; 4]) -> f32 {
-    let mut above = Vec::with_capacity(5);
-    for k in 0..4 {
-        let (a, b) = (corners[k], corners[(k + 1) % 4]);
-        let (ha, hb) = (n.dot(a), n.dot(b));
-        if ha >= 0.0 {
-            above.push(a);
-        }
-        if (ha > 0.0 && hb < 0.0) || (ha < 0.0 && hb > 0.0) {
-            above.push(a.lerp(b, ha / (ha - hb)));
-        }
-    }
-    let edges = (0..above.len()).map(|k| {
-        let (a, b) = (above[k].as_dvec3(), above[(k + 1) % above.len()].as_dvec3());
-        let cross = a.cross(b);
-        let sine = cross.length();
-        if sine == 0.0 {
-            return 0.0;
-        }
-        n.as_dvec3().dot(cross / sine) * sine.atan2(a.dot(b))
-    });
-    (edges.sum::<f64>().abs() / std::f64::consts::TAU) as f32
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A square of side 2a, parallel to the receiver, straight above it at distance h.
-    fn square_above(a: f32, h: f32) -> [Vec3; 4] {
-        [(-a, -a), (a, -a), (a, a), (-a, a)].map(|(x, z)| Vec3::new(x, h, z))
-    }
-
-    #[test]
-    fn factors_of_squares_overhead_are_as_in_howell_s_catalogue() {
-        for (a, h) in [(0.5_f32, 1.0_f32), (1.0, 1.0), (3.0, 0.5)] {
-            let x = f64::from(a / h);
-            let root = (1.0 + x * x).sqrt();
-            // Configuration C-11 (a point under the corner of a rectangle), four times.
-            let truth = 4.0 * (2.0 * x / root * (x / root).atan()) / std::f64::consts::TAU;
-            let found = point_to_polygon(Vec3::Y, &square_above(a, h));
-            assert!((f64::from(found) - truth).abs() < 1e-6, "{found} {truth}");
-        }
-    }
-
-    #[test]
-    fn what_is_below_the_horizon_does_not_count() {
-        // A wall square seen edge-on by the floor: its upper half alone.
-        let whole = [
-            Vec3::new(1.0, -1.0, -1.0),
-            Vec3::new(1.0, 1.0, -1.0),
-            Vec3::new(1.0, 1.0, 1.0),
-            Vec3::new(1.0, -1.0, 1.0),
-        ];
-        let mut half = whole;
-        for p in &mut half {
-            p.y = p.y.max(0.0);
-        }
-        let (a, b) = (
-            point_to_polygon(Vec3::Y, &whole),
-            point_to_polygon(Vec3::Y, &half),
-        );
-        assert!((a - b).abs() < 1e-6 && a > 0.1, "{a} {b}");
-        assert_eq!(point_to_polygon(Vec3::NEG_Y, &square_above(1.0, 1.0)), 0.0);
     }
 }

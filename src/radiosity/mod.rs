@@ -36,7 +36,8 @@
 //! | `receiver_mesh` | the meshes that carry light, split and welded |
 //! | `element`, `grouping` | the pieces of surface the system is solved on |
 //! | `bvh`, `occlusion` | rays against the input triangles |
-//! | `emitter`, `emitter_tree` | emissive surfaces, sampled |
+//! | `emitter`, `emitter_tree` | emissive surfaces: few in closed form, many sampled |
+//! | `facet` | a shining polygon as a point sees it, with and without shadow |
 //! | `illumination`, `direct` | light that arrives without a bounce |
 //! | `form_factor` | rows of `F` as lists of ray hits |
 //! | `solve`, `partial` | the system solved, by one of several methods; light on its way there |
@@ -68,6 +69,7 @@ mod element_light;
 mod emitter;
 mod emitter_tree;
 mod estimate;
+mod facet;
 mod findings;
 mod fit;
 mod form_factor;

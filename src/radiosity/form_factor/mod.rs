@@ -47,6 +47,7 @@ use hemicube::Hemicube;
 pub(crate) use hit_list::HitList;
 pub(crate) use matrix::{Matrix, Row};
 pub use method::FormFactors;
+pub(crate) use polygon::clip;
 pub use polygon::{point_to_polygon, polygon_to_polygon};
 pub(crate) use traced::{BLACK, GONE, RowsBefore, SKY, Traced};
 

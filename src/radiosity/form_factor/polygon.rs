@@ -90,7 +90,7 @@ pub(super) fn area_vector(polygon: &[DVec3]) -> DVec3 {
 
 /// Gives `keep` the corners of the part of a polygon where `height` is positive (Sutherland and
 /// Hodgman 1974).
-pub(super) fn clip(polygon: &[DVec3], height: impl Fn(DVec3) -> f64, mut keep: impl FnMut(DVec3)) {
+pub(crate) fn clip(polygon: &[DVec3], height: impl Fn(DVec3) -> f64, mut keep: impl FnMut(DVec3)) {
     let Some(&last) = polygon.last() else {
         return;
     };

@@ -3,6 +3,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use crate::radiosity::direct::shines;
+use crate::radiosity::emitter::Group;
 use crate::radiosity::gather::{Gather, Place};
 use crate::radiosity::gathered::Shining;
 use crate::radiosity::illumination::illumination;
@@ -146,17 +147,14 @@ impl<'a> Probe<'a> {
             }
         }
         for from in [&gather.emitters, &gather.reflectors] {
-            let samples = from.samples.min(EMITTER_RAYS);
-            let block = set * samples..(set + 1) * samples;
-            let brings = |e: u32, light: f32| sum += self.shining.sampled(from, e) * light;
-            *traced += from.sample(
-                gather.elements,
-                &gather.occluders,
-                &receiver,
+            let group = Group {
+                receivers: &[(set, receiver)],
+                blocks: 2,
+                rays: from.samples.min(EMITTER_RAYS),
                 seed,
-                block,
-                brings,
-            );
+            };
+            let brings = |_, e, light: f32| sum += self.shining.sampled(from, e) * light;
+            *traced += from.light(gather.elements, &gather.occluders, &group, brings);
         }
         sum
     }

@@ -1,15 +1,28 @@
-use glam::{Vec2, Vec3, Vec3A};
+//! The emissive triangles that are worth sampling.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | here | which triangles they are, the tree over them, what a change leaves of it |
+//! | `survey` | which emissive materials fill too much of the view to be sampled |
+//! | `choice` | one of many picked by what it may send to a receiver |
+
+mod choice;
+mod survey;
+
+use glam::{Vec3, Vec3A};
 
 use super::bounds::{Disturbed, Sphere};
 use super::element::{ElementId, Elements};
 use super::emitter::Receiver;
-use super::observer::{Observer, Stage};
-use super::occlusion::{OFFSET, Occluders};
-use super::parallel::{Cancelled, map_ranges};
-use super::sampling::{cosine_hemisphere, frame, hash, sobol};
+use super::facet::Facet;
+use super::observer::Observer;
+use super::occlusion::Occluders;
+use super::parallel::Cancelled;
 use super::settings::BakeSettings;
 use super::triangle::{area, face_normal};
 use super::validate::ValidScene;
+pub(crate) use choice::Choices;
+use survey::survey;
 
 /// The emissive triangles that are worth sampling, in a tree that picks one by what it may send to
 /// a receiver (Conty and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
@@ -58,6 +71,9 @@ enum Content {
 /// Above this share of all rays a material's emitters are left to be found by rays.
 pub(crate) const WIDE: f32 = 0.1;
 
+/// Up to so many leaves are taken one by one, in closed form: TODO.
+const FEW: usize = 16;
+
 /// Elements that reflect more than this many times the mean are sampled in the gather.
 const BRIGHT: f32 = 6.0;
 
@@ -66,9 +82,6 @@ const COVERED: f64 = 0.8;
 
 /// As many of them at most, the brightest.
 const MOST_BRIGHT: usize = 4096;
-
-/// Rays of the survey that measures how much of the view each emissive material fills.
-const SURVEY_RAYS: usize = 4096;
 
 impl EmitterTree {
     /// Builds the tree over the emitters that are worth sampling.
@@ -233,6 +246,16 @@ impl EmitterTree {
             .map(|(_, i)| i)
     }
 
+    /// Whether the leaves are few enough to be taken one by one.
+    pub(crate) fn few(&self) -> bool {
+        self.leaves.len() <= FEW
+    }
+
+    /// How bright a leaf is beside others.
+    pub(crate) fn radiance(&self, leaf: &Leaf) -> f32 {
+        self.nodes[leaf.node as usize].power / leaf.area.max(f32::MIN_POSITIVE)
+    }
+
     /// Number of emissive triangles that are sampled.
     pub(crate) fn len(&self) -> usize {
         self.leaves.len()
@@ -297,166 +320,6 @@ impl EmitterTree {
             parent: u32::MAX,
         }
     }
-
-    /// Walks down the tree by `u`; the leaf and the probability with which it is chosen.
-    fn choose(&self, receiver: &Receiver, mut u: f32) -> Option<(u32, f32)> {
-        let (mut index, mut probability) = (0, 1.0);
-        loop {
-            let (left, right) = match self.nodes[index as usize].content {
-                Content::Leaf(leaf) => return Some((leaf, probability)),
-                Content::Children(left, right) => (left, right),
-            };
-            let share = self.left_share(receiver, left, right)?;
-            if u < share {
-                (index, probability, u) = (left, probability * share, u / share);
-            } else {
-                (index, probability, u) = (
-                    right,
-                    probability * (1.0 - share),
-                    (u - share) / (1.0 - share),
-                );
-            }
-        }
-    }
-
-    /// The probability with which [`Self::choose`] finds a leaf.
-    pub(crate) fn probability(&self, receiver: &Receiver, leaf: u32) -> f32 {
-        let mut index = self.leaves[leaf as usize].node;
-        let mut probability = 1.0;
-        while self.nodes[index as usize].parent != u32::MAX {
-            let parent = self.nodes[index as usize].parent;
-            let Content::Children(left, right) = self.nodes[parent as usize].content else {
-                return 0.0;
-            };
-            let Some(share) = self.left_share(receiver, left, right) else {
-                return 0.0;
-            };
-            probability *= if index == left { share } else { 1.0 - share };
-            index = parent;
-        }
-        probability
-    }
-
-    fn left_share(&self, receiver: &Receiver, left: u32, right: u32) -> Option<f32> {
-        let [l, r] = [left, right].map(|n| self.nodes[n as usize].importance(receiver));
-        (l + r > 0.0).then(|| l / (l + r))
-    }
-}
-
-/// How one receiver chooses among the emitters: the same distribution for all its samples.
-pub(crate) enum Choices {
-    /// Few emitters: all leaves with a chance, each with the sum of probabilities up to it and its
-    /// own. Finds the same leaf as walking down the tree would, at a fraction of the cost.
-    Table(Vec<(u32, f32, f32)>),
-    /// Many: walk down the tree each time.
-    Walk,
-}
-
-/// Up to so many emitters a table is cheaper than walking.
-const TABLE: usize = 128;
-
-impl Choices {
-    pub(crate) fn new(tree: &EmitterTree, receiver: &Receiver) -> Self {
-        if tree.leaves.len() > TABLE {
-            return Self::Walk;
-        }
-        let mut table = Vec::with_capacity(tree.leaves.len());
-        // A tree of one leaf has no choice to make, but may still be out of sight.
-        if tree.nodes[0].importance(receiver) > 0.0 {
-            Self::fill(tree, receiver, 0, 1.0, &mut table);
-        }
-        Self::Table(table)
-    }
-
-    fn fill(
-        tree: &EmitterTree,
-        receiver: &Receiver,
-        node: u32,
-        probability: f32,
-        table: &mut Vec<(u32, f32, f32)>,
-    ) {
-        match tree.nodes[node as usize].content {
-            Content::Leaf(leaf) => {
-                let before = table.last().map_or(0.0, |entry| entry.1);
-                table.push((leaf, before + probability, probability));
-            }
-            Content::Children(left, right) => {
-                let Some(share) = tree.left_share(receiver, left, right) else {
-                    return;
-                };
-                for (child, share) in [(left, share), (right, 1.0 - share)] {
-                    if share > 0.0 {
-                        Self::fill(tree, receiver, child, probability * share, table);
-                    }
-                }
-            }
-        }
-    }
-
-    pub(crate) fn is_empty(&self) -> bool {
-        matches!(self, Self::Table(table) if table.is_empty())
-    }
-
-    pub(crate) fn choose(
-        &self,
-        tree: &EmitterTree,
-        receiver: &Receiver,
-        u: f32,
-    ) -> Option<(u32, f32)> {
-        match self {
-            Self::Walk => tree.choose(receiver, u),
-            Self::Table(table) => {
-                // Parts of the tree that cannot be seen leave the sum below 1: their share is dark.
-                let entry = table.iter().find(|entry| u < entry.1);
-                entry.map(|&(leaf, _, probability)| (leaf, probability))
-            }
-        }
-    }
-}
-
-impl Node {
-    /// An estimate, zero only where it is sure, of the light a node can send to a receiver.
-    fn importance(&self, receiver: &Receiver) -> f32 {
-        let to = self.center - receiver.position;
-        let distance_squared = to.length_squared();
-        let radius_squared = self.radius * self.radius;
-        if distance_squared <= radius_squared {
-            return self.power / radius_squared.max(f32::MIN_POSITIVE);
-        }
-        let direction = to / distance_squared.sqrt();
-        // Half angle under which the node is seen.
-        let sine_squared = radius_squared / distance_squared;
-        let spread = Vec2::new((1.0 - sine_squared).max(0.0).sqrt(), sine_squared.sqrt());
-        let receives = cosine_minus(receiver.normal.dot(direction), spread);
-        let cone = Vec2::new(
-            self.cone_cosine,
-            (1.0 - self.cone_cosine * self.cone_cosine).max(0.0).sqrt(),
-        );
-        let sends = if self.cone_cosine <= -1.0 {
-            1.0
-        } else {
-            // cos max(0, θ − cone − spread), from the sum of both angles.
-            let both = Vec2::new(
-                cone.x * spread.x - cone.y * spread.y,
-                cone.y * spread.x + cone.x * spread.y,
-            );
-            if both.y < 0.0 {
-                1.0
-            } else {
-                cosine_minus(-self.axis.dot(direction), both)
-            }
-        };
-        self.power * receives.max(0.0) * sends.max(0.0) / distance_squared
-    }
-}
-
-/// cos max(0, θ − α) for cosines of θ and the cosine and sine of α, both in 0..π.
-fn cosine_minus(cosine: f32, angle: Vec2) -> f32 {
-    if cosine >= angle.x {
-        return 1.0;
-    }
-    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-    cosine * angle.x + sine * angle.y
 }
 
 impl Leaf {
@@ -476,6 +339,30 @@ impl Leaf {
     fn centroid(&self) -> Vec3 {
         (self.corners[0] + self.corners[1] + self.corners[2]) / 3.0
     }
+
+    /// What a receiver sees of it.
+    pub(crate) fn seen_from(&self, receiver: &Receiver) -> Option<Facet> {
+        let [p, q, r] = self.corners;
+        let front = self.normal.dot(receiver.position - p) > 0.0;
+        if self.triangle == receiver.triangle {
+            None
+        } else if front {
+            Facet::new(receiver, [p, q, r], self.normal)
+        } else if self.two_sided {
+            Facet::new(receiver, [p, r, q], -self.normal)
+        } else {
+            None
+        }
+    }
+
+    /// Weights of the second and third corner at a point of the triangle.
+    pub(crate) fn uv(&self, point: Vec3) -> [f32; 2] {
+        let [p, q, r] = self.corners;
+        let (along, across, to) = (q - p, r - p, point - p);
+        let area = along.cross(across);
+        let share = |part: Vec3| part.dot(area) / area.length_squared();
+        [share(to.cross(across)), share(along.cross(to))]
+    }
 }
 
 fn mean_emission(elements: &Elements, triangle: u32) -> f32 {
@@ -485,47 +372,4 @@ fn mean_emission(elements: &Elements, triangle: u32) -> f32 {
     });
     // A texture may be dark in the middle of a triangle that shines elsewhere.
     (sides[0].max(sides[1])).max(1e-6)
-}
-
-/// The share of the view that each emissive material fills, averaged over all surfaces.
-fn survey(
-    scene: &ValidScene,
-    elements: &Elements,
-    occluders: &Occluders,
-    seed: u32,
-    observer: &dyn Observer,
-) -> Result<Vec<f32>, Cancelled> {
-    // Elements chosen evenly, each ray counted by the area it stands for.
-    let rays = SURVEY_RAYS.min(16 * elements.len());
-    let chunks = map_ranges(rays, 256, Stage::Occlusion, observer, |range| {
-        let mut seen = vec![0.0_f32; scene.materials.len()];
-        let mut total = 0.0;
-        for i in range {
-            let element = i * elements.len() / rays;
-            let area = elements.area[element];
-            total += area;
-            let [u, v, s, t] = sobol(i as u32, 2, seed);
-            let point = elements.point(scene, ElementId(element as u32), u, v);
-            let direction = frame(point.normal) * cosine_hemisphere(s, t);
-            let origin = point.position + point.normal * OFFSET;
-            let Some(hit) =
-                occluders.closest(origin, direction, point.triangle, hash(seed, i as u32))
-            else {
-                continue;
-            };
-            if elements.emission_at(hit.triangle, hit.uv, hit.back) != Vec3::ZERO {
-                let key = scene.triangles[hit.triangle as usize];
-                seen[scene.objects[key.object as usize].material.0 as usize] += area;
-            }
-        }
-        (seen, total)
-    })?;
-    let total: f32 = chunks.iter().map(|c| c.1).sum();
-    let mut views = vec![0.0; scene.materials.len()];
-    for (seen, _) in chunks {
-        for (view, seen) in views.iter_mut().zip(seen) {
-            *view += seen / total.max(f32::MIN_POSITIVE);
-        }
-    }
-    Ok(views)
 }
