@@ -85,7 +85,7 @@ impl Findings<'_> {
         let beside_mean = |e: f64| if mean > 0.0 { (e / mean) as f32 } else { 0.0 };
         let sampling = self.sampling_error(vertices);
         // What points apart from the samples found, less what is known to be chance.
-        let found = vertices.pass.control.unwrap_or_default().error as f32;
+        let found = vertices.pass.control.unwrap_or_default().bound as f32;
         let mut error = ErrorEstimate {
             total: 0.0,
             meshing: (found * found - sampling * sampling).max(0.0).sqrt(),

@@ -220,6 +220,7 @@ impl Run<'_> {
     > {
         let meshes = &receivers.coarse.meshes;
         let list = triangles(meshes);
+        let same_samples = gather.density[0] == gather.density[1];
         self.stage(Stage::Gather, |run| {
             let before = run.before_gather(gather, objects);
             let chunks = map_ranges(list.len(), CHUNK, Stage::Gather, run.observer, |range| {
@@ -228,7 +229,7 @@ impl Run<'_> {
                     let mesh = &meshes[o];
                     let bundle = gather.bundle(mesh, o, t, before.as_ref(), &mut rays);
                     let samples = shining.gathered(&bundle, mesh, t);
-                    let met = Met::new(&bundle, receivers.is_same(o));
+                    let met = Met::new(&bundle, same_samples && receivers.is_same(o));
                     (samples, met, run.start.remember.then_some(bundle))
                 });
                 (each.collect::<Vec<_>>(), rays)

@@ -23,15 +23,27 @@ use crate::radiosity::triangle::area;
 ///
 /// because the noise of the two drops out of the mean. What interpolation leaves out and what chance
 /// left in the vertices are both in it; what elements and solver leave is in `E` too and is not.
+///
+/// The mean of `n` points is itself uncertain, by the standard error of its terms; so much is added to
+/// it, and points are asked until that is a small part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Control {
     /// Relative RMSE.
     pub(crate) error: f64,
+    /// What it is at most, give or take one standard error.
+    pub(crate) bound: f64,
     pub(crate) rays: u64,
 }
 
-/// Points at which light is asked for.
-const POINTS: usize = 2048;
+/// Points asked together, and how often at most.
+const BATCH: usize = 1024;
+const BATCHES: u32 = 8;
+
+/// Gathering rays of either set at each point.
+const RAYS: u32 = 64;
+
+/// The standard error may be this share of the square of what is asked, or of what is found.
+const CERTAIN: f64 = 0.25;
 
 /// Points a thread asks at a time.
 const CHUNK: usize = 32;
@@ -39,10 +51,36 @@ const CHUNK: usize = 32;
 /// Sums over points.
 #[derive(Clone, Copy, Default)]
 struct Sums {
+    /// Of (A − x)(B − x), and its square.
     square: f64,
+    fourth: f64,
     light: f64,
     points: f64,
     rays: u64,
+}
+
+impl Sums {
+    fn join(self, other: &Self) -> Self {
+        Self {
+            square: self.square + other.square,
+            fourth: self.fourth + other.fourth,
+            light: self.light + other.light,
+            points: self.points + other.points,
+            rays: self.rays + other.rays,
+        }
+    }
+
+    /// Mean square error and its standard error, beside the squared mean of the light.
+    fn relative(&self) -> (f64, f64) {
+        let mean = self.light / self.points.max(1.0);
+        if mean <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let square = self.square / self.points;
+        let variance = (self.fourth / self.points - square * square).max(0.0);
+        let error = (variance / self.points).sqrt();
+        (square / (mean * mean), error / (mean * mean))
+    }
 }
 
 impl Control {
@@ -55,34 +93,34 @@ impl Control {
         observer: &dyn Observer,
     ) -> Result<Self, Cancelled> {
         let triangles = Triangles::new(meshes);
-        let parts = map_ranges(POINTS, CHUNK, Stage::Error, observer, |range| {
-            let mut sums = Sums::default();
-            for i in range {
-                let ask = Ask {
-                    gather,
-                    shining,
-                    meshes,
-                    light,
-                };
-                ask.point(&triangles, i, &mut sums);
+        let aim = f64::from(gather.settings.error).powi(2);
+        let mut sums = Sums::default();
+        for batch in 0..BATCHES {
+            let ask = Ask {
+                gather,
+                shining,
+                meshes,
+                light,
+                seed: hash(batch, hash(gather.settings.seed, 0xC0_57A0)),
+            };
+            let parts = map_ranges(BATCH, CHUNK, Stage::Error, observer, |range| {
+                let mut sums = Sums::default();
+                for i in range {
+                    ask.point(&triangles, i, &mut sums);
+                }
+                sums
+            })?;
+            sums = parts.iter().fold(sums, Sums::join);
+            let (square, error) = sums.relative();
+            if error <= CERTAIN * aim.max(square) {
+                break;
             }
-            sums
-        })?;
-        let all = parts.iter().fold(Sums::default(), |a, b| Sums {
-            square: a.square + b.square,
-            light: a.light + b.light,
-            points: a.points + b.points,
-            rays: a.rays + b.rays,
-        });
-        let mean = all.light / all.points.max(1.0);
-        let square = (all.square / all.points.max(1.0)).max(0.0);
+        }
+        let (square, error) = sums.relative();
         Ok(Self {
-            error: if mean > 0.0 {
-                square.sqrt() / mean
-            } else {
-                0.0
-            },
-            rays: all.rays,
+            error: square.max(0.0).sqrt(),
+            bound: (square.max(0.0) + error).sqrt(),
+            rays: sums.rays,
         })
     }
 }
@@ -121,20 +159,21 @@ struct Ask<'a> {
     shining: &'a Shining<'a>,
     meshes: &'a ReceiverMeshes,
     light: &'a [Vec3],
+    seed: u32,
 }
 
 impl Ask<'_> {
     fn point(&self, triangles: &Triangles, i: usize, sums: &mut Sums) {
-        let seed = hash(self.gather.settings.seed, 0xC0_57A0);
-        let [pick, u, v, _] = sobol(i as u32, 0, seed);
-        let Some((o, t)) = triangles.at((i as f64 + f64::from(pick)) / POINTS as f64) else {
+        let [pick, u, v, _] = sobol(i as u32, 0, self.seed);
+        let Some((o, t)) = triangles.at((i as f64 + f64::from(pick)) / BATCH as f64) else {
             return;
         };
         let probe = |kind| Probe {
             gather: self.gather,
             shining: self.shining,
             kind,
-            seed: hash(i as u32, seed),
+            seed: hash(i as u32, self.seed),
+            rays: RAYS,
         };
         let (mesh, b) = (&self.meshes.meshes[o], triangle_point(u, v));
         let (smooth, sharp) = (probe(Kind::Smooth), probe(Kind::Sharp));
@@ -148,7 +187,9 @@ impl Ask<'_> {
         let corners = mesh.triangles[t].map(|v| self.light[mesh.unknown[v as usize] as usize]);
         let given = corners[0] * b.x + corners[1] * b.y + corners[2] * b.z;
         let [a, c] = [0, 1].map(|set| (gathered[set] + arrived[set] - given).as_dvec3());
-        sums.square += (a * c).element_sum() / 3.0;
+        let square = (a * c).element_sum() / 3.0;
+        sums.square += square;
+        sums.fourth += square * square;
         sums.light += f64::from((gathered[0] + arrived[0]).element_sum()) / 3.0;
         sums.points += 1.0;
     }

@@ -117,6 +117,10 @@ const BULK: f64 = 0.6;
 /// Rounds at most. A round halves faces, so this many cut any face down to nothing.
 const ROUNDS: usize = 60;
 
+/// Gathering rays of either set at a point, beside the error asked for: what noise hides cannot be
+/// found.
+const RAYS: f32 = 0.64;
+
 /// Faces a thread judges at a time.
 const CHUNK: usize = 16;
 
@@ -221,6 +225,7 @@ impl<'a> Work<'a> {
                 shining: refiner.shining,
                 kind,
                 seed: refiner.gather.settings.seed,
+                rays: (RAYS / refiner.gather.settings.error.max(1e-3)) as u32,
             },
             refiner,
             meshes,
@@ -332,11 +337,11 @@ impl<'a> Work<'a> {
         light
     }
 
-    /// Relative RMSE that the mesh leaves.
+    /// Relative RMSE that the mesh leaves, as far as it stands out from noise.
     fn error(&self) -> f64 {
         let square: f64 = self.faces.iter().map(FaceLight::error).sum();
         let area: f64 = self.faces.iter().map(|f| f.area).sum();
-        (square.max(0.0) / area.max(f64::MIN_POSITIVE)).sqrt() / self.refiner.mean
+        (square / area.max(f64::MIN_POSITIVE)).sqrt() / self.refiner.mean
     }
 
     fn finish(self) -> Vec<Option<Arc<Refined>>> {

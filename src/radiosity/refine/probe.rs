@@ -33,6 +33,8 @@ pub(super) struct Probe<'a> {
     pub(super) kind: Kind,
     /// Of the two sets of rays.
     pub(super) seed: u32,
+    /// Gathering rays of a set; shadow rays are a quarter as many.
+    pub(super) rays: u32,
 }
 
 /// A triangle of a receiving mesh, and the side of it that light is put on.
@@ -50,8 +52,8 @@ const INSIDE: f32 = 0.25;
 /// Rays that tell whether a point without any light lies inside geometry.
 const PROBES: u32 = 8;
 
-/// Shadow rays to emitters at most, in each set.
-const EMITTER_RAYS: u32 = 8;
+/// Shadow rays to emitters at least, in each set.
+const LEAST_SHADOW_RAYS: u32 = 8;
 
 impl<'a> Probe<'a> {
     /// The triangle of an object's mesh; `None` if no light is put on it.
@@ -79,14 +81,14 @@ impl<'a> Probe<'a> {
         let place = Place::new(ground.mesh, ground.triangle, b, ground.normal, ground.side);
         match self.kind {
             Kind::Smooth => {
-                let half = (self.gather.settings.gather_rays / 2).max(1);
-                let a = self.rays(ground, &place, 0..half, traced)?;
-                Some([a, self.rays(ground, &place, half..2 * half, traced)?])
+                let rays = self.rays;
+                let a = self.gathered(ground, &place, 0..rays, traced)?;
+                Some([a, self.gathered(ground, &place, rays..2 * rays, traced)?])
             }
             Kind::Sharp => {
                 let light = [0, 1].map(|set| self.sharp(ground, &place, set, traced));
                 let dark = light == [Vec3::ZERO; 2];
-                if dark && self.rays(ground, &place, 0..PROBES, traced).is_none() {
+                if dark && self.gathered(ground, &place, 0..PROBES, traced).is_none() {
                     return None;
                 }
                 Some(light)
@@ -95,7 +97,7 @@ impl<'a> Probe<'a> {
     }
 
     /// Mean of what rays meet.
-    fn rays(
+    fn gathered(
         &self,
         ground: &Ground,
         place: &Place,
@@ -150,7 +152,7 @@ impl<'a> Probe<'a> {
             let group = Group {
                 receivers: &[(set, receiver)],
                 blocks: 2,
-                rays: from.samples.min(EMITTER_RAYS),
+                rays: (self.rays / 4).clamp(LEAST_SHADOW_RAYS, from.samples.max(LEAST_SHADOW_RAYS)),
                 seed,
             };
             let brings = |_, e, light: f32| sum += self.shining.sampled(from, e) * light;
