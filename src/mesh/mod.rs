@@ -43,7 +43,7 @@ mod split;
 mod test_meshes;
 mod weld;
 
-pub use conforming::{Bisected, Bisection, Conforming, Origin, Part, Refined};
+pub use conforming::{Bisected, Bisection, Conforming, Limits, Origin, Part, Refined};
 pub use contact::{CutMesh, Surface, split_at_contacts};
 pub use flat::split_flat_corners;
 pub use refined::{RefinedMesh, SurfacePoint};
