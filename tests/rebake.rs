@@ -89,10 +89,19 @@ fn only_stages_that_a_change_made_stale_run() {
     baker.bake(s.clone(), &()).unwrap();
     s.lights[0].power = Vec3::new(1.0, 2.0, 3.0);
     let colored = baker.bake(s.clone(), &()).unwrap();
-    assert_eq!(stages(&colored), [Stage::Solve, Stage::Gather, Stage::Fit]);
+    assert_eq!(
+        stages(&colored),
+        [Stage::Solve, Stage::Gather, Stage::Shadows, Stage::Fit]
+    );
     s.materials[0].base_color.x = 0.2;
     let painted = baker.bake(s.clone(), &()).unwrap();
-    let with_mesh = [Stage::Mesh, Stage::Solve, Stage::Gather, Stage::Fit];
+    let with_mesh = [
+        Stage::Mesh,
+        Stage::Solve,
+        Stage::Gather,
+        Stage::Shadows,
+        Stage::Fit,
+    ];
     assert_eq!(stages(&painted), with_mesh);
     s.lights[0].kind = LightKind::Point {
         position: Vec3::new(0.6, 0.6, 0.7),
@@ -147,7 +156,10 @@ fn settings_redo_what_they_change() {
         ..SETTINGS
     });
     let finer = baker.bake(lit_room(), &()).unwrap();
-    assert_eq!(stages(&finer), [Stage::Solve, Stage::Gather, Stage::Fit]);
+    assert_eq!(
+        stages(&finer),
+        [Stage::Solve, Stage::Gather, Stage::Shadows, Stage::Fit]
+    );
     assert!(finer.report.work.element_rays == 0 && finer.report.work.sweeps > 0);
     let seeded = BakeSettings {
         seed: 4,

@@ -1,5 +1,3 @@
-use std::ops::Range;
-
 use glam::Vec3;
 
 use crate::radiosity::direct::shines;
@@ -82,13 +80,13 @@ impl<'a> Probe<'a> {
         match self.kind {
             Kind::Smooth => {
                 let rays = self.rays;
-                let a = self.gathered(ground, &place, 0..rays, traced)?;
-                Some([a, self.gathered(ground, &place, rays..2 * rays, traced)?])
+                let a = self.gathered(ground, &place, (0, rays), traced)?;
+                Some([a, self.gathered(ground, &place, (1, rays), traced)?])
             }
             Kind::Sharp => {
                 let light = [0, 1].map(|set| self.sharp(ground, &place, set, traced));
                 let dark = light == [Vec3::ZERO; 2];
-                if dark && self.gathered(ground, &place, 0..PROBES, traced).is_none() {
+                if dark && self.gathered(ground, &place, (0, PROBES), traced).is_none() {
                     return None;
                 }
                 Some(light)
@@ -101,15 +99,15 @@ impl<'a> Probe<'a> {
         &self,
         ground: &Ground,
         place: &Place,
-        rays: Range<u32>,
+        (set, rays): (u32, u32),
         traced: &mut u64,
     ) -> Option<Vec3> {
         let gather = self.gather;
         let receiver = place.receiver(ground.live);
-        let seed = self.seed;
+        let seed = hash(self.seed, set);
         let around = frame(place.shading);
         let (mut sum, mut cast, mut black) = (Vec3::ZERO, 0_u32, 0_u32);
-        for ray in rays {
+        for ray in 0..rays {
             let [u, v, ..] = sobol(ray, 2, seed);
             let direction = around * cosine_hemisphere(u, v);
             if direction.dot(place.geometric) <= 0.0 {
@@ -140,18 +138,18 @@ impl<'a> Probe<'a> {
     fn sharp(&self, ground: &Ground, place: &Place, set: u32, traced: &mut u64) -> Vec3 {
         let gather = self.gather;
         let receiver = place.receiver(ground.live);
-        let seed = hash(self.seed, 0x5AA9);
+        let seed = hash(self.seed, hash(set, 0x5AA9));
         let mut sum = Vec3::ZERO;
         for light in &gather.scene.lights {
             if light.direct == DirectLight::Baked && shines(light) {
-                let at = (seed, set);
+                let at = (seed, 0);
                 sum += light.power * illumination(light, &gather.occluders, &receiver, at, traced);
             }
         }
         for from in [&gather.emitters, &gather.reflectors] {
             let group = Group {
-                receivers: &[(set, receiver)],
-                blocks: 2,
+                receivers: &[(0, receiver)],
+                blocks: 1,
                 rays: (self.rays / 4).clamp(LEAST_SHADOW_RAYS, from.samples.max(LEAST_SHADOW_RAYS)),
                 seed,
             };
