@@ -113,6 +113,7 @@ fn only_stages_that_a_change_made_stale_run() {
         Stage::Solve,
         Stage::Error,
         Stage::Gather,
+        Stage::Shadows,
         Stage::Fit,
     ];
     assert_eq!(stages(&moved), with_rays);

@@ -47,5 +47,5 @@ pub use conforming::{Bisected, Bisection, Conforming, Limits, Origin, Part, Refi
 pub use contact::{CutMesh, Surface, split_at_contacts};
 pub use flat::split_flat_corners;
 pub use refined::{RefinedMesh, SurfacePoint};
-pub use split::{SplitError, split_long_edges};
+pub use split::{SplitError, fewest_vertices, split_long_edges};
 pub use weld::PositionClasses;

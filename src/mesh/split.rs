@@ -105,12 +105,12 @@ pub fn split_long_edges(
     Ok(splitter.mesh)
 }
 
-/// A number of vertices that splitting is sure to exceed, known before it starts; 0 for a mesh
-/// without long edges.
+/// A number of vertices that splitting edges longer than `max_edge` is sure to exceed, known before
+/// it starts; 0 for a mesh without long edges.
 ///
 /// A triangle whose edges are at most `L` long has at most the area `√3/4 L²` of an equilateral
 /// one, and a mesh has at least a quarter as many vertices as triangles (half as many if closed).
-fn fewest_vertices(positions: &[Vec3], triangles: &[[u32; 3]], max_edge: f32) -> f64 {
+pub fn fewest_vertices(positions: &[Vec3], triangles: &[[u32; 3]], max_edge: f32) -> f64 {
     let largest = 0.25 * 3.0_f64.sqrt() * f64::from(max_edge).powi(2);
     let pieces = |corners: &[u32; 3]| {
         let [a, b, c] = corners.map(|vertex| positions[vertex as usize].as_dvec3());

@@ -6,7 +6,7 @@ use super::pipeline::{run, run_elements};
 use super::settings::{BakeSettings, InvalidSetting};
 use super::stages::Start;
 use super::validate::{SceneError, ValidScene};
-use crate::mesh::SplitError;
+use crate::mesh::{SplitError, fewest_vertices};
 
 /// Why a bake ended without a result.
 #[derive(Debug, thiserror::Error)]
@@ -83,6 +83,21 @@ pub(crate) fn check(scene: &ValidScene, settings: &BakeSettings) -> Result<(), B
     let (needed, allowed) = (estimate_counts(scene, settings).bytes, settings.max_memory);
     if needed > allowed {
         return Err(BakeError::Memory { needed, allowed });
+    }
+    // Splitting for the light stops at what is allowed; edges that are too long are cut in any case.
+    if let (true, Some(max_edge)) = (settings.refine, settings.max_edge) {
+        check_edges(scene, max_edge, settings.max_vertices)?;
+    }
+    Ok(())
+}
+
+fn check_edges(scene: &ValidScene, max_edge: f32, limit: u32) -> Result<(), SplitError> {
+    let internal = max_edge / scene.scale;
+    let refined = scene.objects.iter().filter(|o| o.refine && o.receives);
+    let fewest = refined.map(|o| fewest_vertices(&o.positions, &o.triangles, internal));
+    if fewest.sum::<f64>() > f64::from(limit) {
+        let limit = limit as usize;
+        return Err(SplitError::TooManyVertices { limit, max_edge });
     }
     Ok(())
 }

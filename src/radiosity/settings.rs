@@ -70,7 +70,7 @@ impl BakeSettings {
     /// For looking while working: about 3.9 % error on the Cornell box.
     pub const DRAFT: Self = Self {
         max_edge: None,
-        refine: false,
+        refine: true,
         error: 0.05,
         max_vertices: 1_000_000,
         max_seconds: None,

@@ -55,8 +55,15 @@ const SAMPLES_BY_ERROR: f64 = 1.0 / 0.7;
 const MORE_SAMPLES: f64 = 32.0;
 const LESS_MESH: f64 = 0.3;
 
+/// From one pass to the next, so many times the vertices at most, these counted at least.
+const MORE_VERTICES: usize = 8;
+const FEW_VERTICES: usize = 1024;
+
+/// A pass is of use if it leaves this share of the error of the one before, or less.
+const USEFUL: f64 = 0.95;
+
 /// Passes at most.
-const PASSES: usize = 7;
+const PASSES: usize = 8;
 
 impl Run<'_> {
     /// Light at vertices: pass after pass until it is as good as was asked, where this bake places
@@ -80,7 +87,7 @@ impl Run<'_> {
                 None => pass,
             });
         }
-        let (max_vertices, by_memory) = self.most_vertices(solved);
+        let (most, by_memory) = self.most_vertices(solved);
         let aim = f64::from(self.settings.error);
         let mut effort = Effort {
             mesh: aim * FIRST_MESH,
@@ -88,16 +95,17 @@ impl Run<'_> {
         };
         let mut best: Option<Pass> = None;
         for left in (0..PASSES).rev() {
+            let before = best.as_ref().map_or(0, |b| b.receivers.fine.vertex_count());
             let asked = Asked {
                 error: effort.mesh,
-                max_vertices,
+                max_vertices: most.min(MORE_VERTICES * before.max(FEW_VERTICES)),
             };
-            let kept = best
-                .as_ref()
-                .filter(|b| b.refinement.error <= effort.mesh || b.refinement.full);
+            let good =
+                |b: &&Pass| b.refinement.error <= effort.mesh || before >= asked.max_vertices;
+            let kept = best.as_ref().filter(good);
             let meshes = kept.map(|b| (b.receivers.clone(), b.refinement.clone()));
             let next = self.aimed_pass(gather, shining, solved, (&asked, meshes), effort, deadline);
-            let mut pass = match next {
+            let pass = match next {
                 Err(BakeError::Cancelled) if deadline.is_over() => {
                     return best
                         .ok_or(BakeError::Cancelled)
@@ -106,33 +114,20 @@ impl Run<'_> {
                 pass => pass?,
             };
             let total = self.total(&pass, solved);
-            if std::env::var("DBG").is_ok() {
-                eprintln!(
-                    "pass: effort {effort:?} vertices {}/{} refine.error {:.4} full {} control {:?} sampling {:?} {:?} elements {}",
-                    pass.receivers.coarse.vertex_count(),
-                    pass.receivers.fine.vertex_count(),
-                    pass.refinement.error,
-                    pass.refinement.full,
-                    pass.control,
-                    pass.fitted.smoothing.sampling_error,
-                    pass.fitted.smoothing.by_kind,
-                    solved.error.vertices
-                );
-            }
             if total <= aim {
                 return Ok(pass.stopped(Stopped::Error));
             }
-            let next = self.next(&pass, effort, aim);
-            if left == 0 || next.is_none() {
-                let limit = match (pass.refinement.full, by_memory) {
+            let full = pass.refinement.full && asked.max_vertices == most;
+            let useless = (best.as_ref()).is_some_and(|b| total > USEFUL * self.total(b, solved));
+            let next = self.next(&pass, effort, aim, full);
+            let Some(next) = next.filter(|_| left > 0 && !(useless && !full)) else {
+                return Ok(pass.stopped(match (full, by_memory) {
                     (true, true) => Stopped::Memory,
                     (true, false) => Stopped::Vertices,
                     (false, _) => Stopped::Limit,
-                };
-                return Ok(pass.stopped(limit));
-            }
-            effort = next.unwrap_or(effort);
-            pass.stopped = Stopped::Limit;
+                }));
+            };
+            effort = next;
             show(self, &pass);
             best = Some(pass);
             deadline.arm();
@@ -190,7 +185,7 @@ impl Run<'_> {
     }
 
     /// Where the next pass does more; `None` if nothing would help.
-    fn next(&self, pass: &Pass, effort: Effort, aim: f64) -> Option<Effort> {
+    fn next(&self, pass: &Pass, effort: Effort, aim: f64, full: bool) -> Option<Effort> {
         let [sharp, smooth] = pass.fitted.smoothing.by_kind.map(f64::from);
         let sampling = sharp.hypot(smooth);
         let control = pass.control.unwrap_or_default().error;
@@ -200,7 +195,7 @@ impl Run<'_> {
             wanted.clamp(1.0, MORE_SAMPLES) as f32
         };
         let next = Effort {
-            mesh: if pass.refinement.full {
+            mesh: if full {
                 effort.mesh
             } else {
                 // The refinement's own idea of the error is an indicator: only its ratio counts.
@@ -214,7 +209,7 @@ impl Run<'_> {
             ],
         };
         // With the meshes as fine as may be, samples help until they are the smaller part.
-        let useful = !pass.refinement.full || sampling > 0.5 * mesh;
+        let useful = !full || sampling > 0.5 * mesh;
         let more = next.mesh < effort.mesh || next.samples != effort.samples;
         (useful && more).then_some(next)
     }

@@ -341,7 +341,12 @@ impl<'a> Work<'a> {
     fn error(&self) -> f64 {
         let square: f64 = self.faces.iter().map(FaceLight::error).sum();
         let area: f64 = self.faces.iter().map(|f| f.area).sum();
-        (square / area.max(f64::MIN_POSITIVE)).sqrt() / self.refiner.mean
+        let error = (square / area.max(f64::MIN_POSITIVE)).sqrt();
+        if self.refiner.mean > 0.0 {
+            error / self.refiner.mean
+        } else {
+            0.0
+        }
     }
 
     fn finish(self) -> Vec<Option<Arc<Refined>>> {
