@@ -52,7 +52,8 @@ fn find_cuts(scene: &ValidScene, observer: &dyn Observer) -> Result<Cuts, Cancel
             }
         })
         .collect();
-    let meshes = split_at_contacts(&surfaces, TOUCHING, &|| !observer.cancelled());
+    let found = split_at_contacts(&surfaces, TOUCHING, &|| !observer.cancelled());
+    let meshes = found.ok_or(Cancelled)?.meshes;
     let cut = |(mesh, object): (Option<CutMesh>, &Object)| {
         Some(Arc::new(Cut {
             mesh: mesh?,
