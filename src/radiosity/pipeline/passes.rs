@@ -39,21 +39,26 @@ struct Effort {
 
 /// The first pass is a quick look: its meshes may leave so many times what is asked, and it takes this
 /// share of the samples.
-const FIRST_MESH: f64 = 3.0;
-const FIRST_SAMPLES: f32 = 0.25;
+const FIRST_MESH: f64 = 1.0;
+const FIRST_SAMPLES: f32 = 0.5;
 
 /// Shares of the error asked for that the later passes aim at: meshes, and samples of either kind of
 /// light. Their squares add up to less than 1, so that most passes that aim there arrive.
-const MESH: f64 = 0.6;
-const SAMPLES: f64 = 0.4;
+const MESH: f64 = 0.75;
+const SAMPLES: f64 = 0.5;
+
+/// Share of the aim that the noise of rays may have, and of the mesh's error that that of light with
+/// sharp edges may.
+const SMOOTH_SAMPLES: f64 = 0.35;
+const SHARP_SAMPLES: f64 = 0.45;
 
 /// Samples are spread so evenly that their error falls faster than by chance: as their number to the
 /// power of −0.7.
 const SAMPLES_BY_ERROR: f64 = 1.0 / 0.7;
 
 /// From one pass to the next, samples at most, and mesh error at least.
-const MORE_SAMPLES: f64 = 32.0;
-const LESS_MESH: f64 = 0.3;
+const MORE_SAMPLES: f64 = 16.0;
+const LESS_MESH: f64 = 0.25;
 
 /// From one pass to the next, so many times the vertices at most, these counted at least.
 const MORE_VERTICES: usize = 8;
@@ -114,6 +119,7 @@ impl Run<'_> {
                 pass => pass?,
             };
             let total = self.total(&pass, solved);
+            if std::env::var("DBG").is_ok() { eprintln!("pass: {effort:?} vertices {}/{} refine {:.4} full {} control {:.4} {:.4} sampling {:.4} {:?} samples {} {} stages {:?}", pass.receivers.coarse.vertex_count(), pass.receivers.fine.vertex_count(), pass.refinement.error, pass.refinement.full, pass.control.unwrap_or_default().error, pass.control.unwrap_or_default().bound,  pass.fitted.smoothing.sampling_error, pass.fitted.smoothing.by_kind, pass.samples.smooth.iter().map(|s| s.taken).sum::<u32>(), pass.samples.sharp.iter().map(|s| s.taken).sum::<u32>(), self.stages.iter().skip(7).map(|s| (s.0, s.1.as_millis())).collect::<Vec<_>>()); }
             if total <= aim {
                 return Ok(pass.stopped(Stopped::Error));
             }
@@ -184,33 +190,35 @@ impl Run<'_> {
         control.hypot(elements)
     }
 
-    /// Where the next pass does more; `None` if nothing would help.
+    /// Where the next pass does more, or less; `None` if nothing would help.
+    ///
+    /// The refinement's own idea of the error is an indicator: only its ratio counts. Where an edge of
+    /// light crosses a triangle, the samples in it say as little of it as the mesh can carry, so the
+    /// noise of light with sharp edges goes down with what the mesh leaves, and is held against that;
+    /// that of rays does not, and is held against the aim.
     fn next(&self, pass: &Pass, effort: Effort, aim: f64, full: bool) -> Option<Effort> {
         let [sharp, smooth] = pass.fitted.smoothing.by_kind.map(f64::from);
         let sampling = sharp.hypot(smooth);
-        let control = pass.control.unwrap_or_default().error;
-        let mesh = (control * control - sampling * sampling).max(0.0).sqrt();
-        let times = |error: f64| {
-            let wanted = (error / (SAMPLES * aim)).powf(SAMPLES_BY_ERROR);
-            wanted.clamp(1.0, MORE_SAMPLES) as f32
+        let control = pass.control.unwrap_or_default().bound;
+        let mesh = (control * control - sampling * sampling).max(0.01 * aim * aim).sqrt();
+        let times = |error: f64, aim: f64, power: f64| {
+            ((error / aim).powf(power)).clamp(1.0 / MORE_SAMPLES, MORE_SAMPLES) as f32
         };
+        let samples = [
+            effort.samples[0] * times(smooth, SMOOTH_SAMPLES * aim, SAMPLES_BY_ERROR),
+            effort.samples[1] * times(sharp, SHARP_SAMPLES * mesh.max(MESH * aim), 2.0),
+        ];
         let next = Effort {
             mesh: if full {
                 effort.mesh
             } else {
-                // The refinement's own idea of the error is an indicator: only its ratio counts.
-                effort
-                    .mesh
-                    .min(effort.mesh * (MESH * aim / mesh.max(1e-9)).clamp(LESS_MESH, 1.0))
+                effort.mesh * (MESH * aim / mesh).clamp(LESS_MESH, 1.0)
             },
-            samples: [
-                effort.samples[0] * times(smooth),
-                effort.samples[1] * times(sharp),
-            ],
+            samples: samples.map(|s| s.max(FIRST_SAMPLES)),
         };
         // With the meshes as fine as may be, samples help until they are the smaller part.
         let useful = !full || sampling > 0.5 * mesh;
-        let more = next.mesh < effort.mesh || next.samples != effort.samples;
+        let more = next.mesh < effort.mesh || sampling > SAMPLES * aim;
         (useful && more).then_some(next)
     }
 

@@ -119,7 +119,7 @@ const ROUNDS: usize = 60;
 
 /// Gathering rays of either set at a point, beside the error asked for: what noise hides cannot be
 /// found.
-const RAYS: f32 = 0.64;
+const RAYS: f32 = 0.48;
 
 /// Faces a thread judges at a time.
 const CHUNK: usize = 16;
