@@ -64,7 +64,10 @@ impl Findings<'_> {
                 + self.solution.report.bytes
                 + vertices.map_or(0, |v| size_of_val(v.samples) as u64),
             energy,
-            error: ErrorEstimate::default(),
+            error: ErrorEstimate {
+                elements: COVER * self.error.cells,
+                ..ErrorEstimate::default()
+            },
             stopped: Stopped::default(),
             form_factors: self.traced.report.clone(),
             solver: self.solution.report.clone(),
@@ -89,10 +92,17 @@ impl Findings<'_> {
             elements,
             emitters: self.elements.emissive_triangles().count() as u64,
             lights: self.scene.lights.len() as u64,
-            rays: elements * u64::from(self.settings.rays_of_element())
-                + counts.samples * u64::from(self.settings.gather_rays),
+            rays: self.element_rays() + counts.samples * u64::from(self.settings.gather_rays),
             shadow_rays: (elements + counts.samples) * shadow_rays,
             ..counts
+        }
+    }
+
+    /// Rays of all elements, where form factors are made of rays.
+    fn element_rays(&self) -> u64 {
+        match self.settings.form_factors {
+            FormFactors::HitList => self.elements.rays.iter().map(|&rays| u64::from(rays)).sum(),
+            _ => 0,
         }
     }
 

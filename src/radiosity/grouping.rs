@@ -10,38 +10,58 @@ const MERGE_COSINE: f32 = 0.9;
 /// A connected, smooth set of live triangles that makes one element, or one triangle of any size.
 pub(super) type Group = Vec<u32>;
 
-/// Joins neighbouring small triangles, breadth first, until the group has an element's area.
-pub(super) fn merge(
-    scene: &ValidScene,
-    areas: &[f32],
-    normals: &[Vec3],
-    target: f32,
-) -> Vec<Group> {
-    let neighbours = Neighbours::new(scene);
-    let mut taken = vec![false; scene.triangles.len()];
-    let mut groups = Vec::new();
-    for seed in 0..scene.triangles.len() as u32 {
-        if std::mem::replace(&mut taken[seed as usize], true) {
-            continue;
+/// Joins neighbouring small triangles.
+pub(super) struct Merger<'a> {
+    areas: &'a [f32],
+    normals: &'a [Vec3],
+    neighbours: Neighbours,
+    /// Triangles that are part of a group already, or not asked about.
+    taken: Vec<bool>,
+}
+
+impl<'a> Merger<'a> {
+    pub(super) fn new(scene: &ValidScene, areas: &'a [f32], normals: &'a [Vec3]) -> Self {
+        Self {
+            areas,
+            normals,
+            neighbours: Neighbours::new(scene),
+            taken: vec![true; scene.triangles.len()],
         }
+    }
+
+    /// Puts `triangles` into groups of about the area `target`, breadth first.
+    pub(super) fn groups(&mut self, triangles: &[u32], target: f32) -> Vec<Group> {
+        for &t in triangles {
+            self.taken[t as usize] = false;
+        }
+        let mut groups = Vec::new();
+        for &seed in triangles {
+            if !std::mem::replace(&mut self.taken[seed as usize], true) {
+                groups.push(self.group(seed, target));
+            }
+        }
+        groups
+    }
+
+    fn group(&mut self, seed: u32, target: f32) -> Group {
+        let (areas, normals) = (self.areas, self.normals);
         let mut group = vec![seed];
         let mut filled = areas[seed as usize];
         let mut queue = VecDeque::from([seed]);
         while let Some(t) = queue.pop_front().filter(|_| filled < target) {
-            for &other in neighbours.of(t) {
+            for &other in self.neighbours.of(t) {
                 let smooth = normals[other as usize].dot(normals[seed as usize]) > MERGE_COSINE;
                 let fits = filled + areas[other as usize] < 1.5 * target;
-                if !taken[other as usize] && smooth && fits {
-                    taken[other as usize] = true;
+                if !self.taken[other as usize] && smooth && fits {
+                    self.taken[other as usize] = true;
                     filled += areas[other as usize];
                     group.push(other);
                     queue.push_back(other);
                 }
             }
         }
-        groups.push(group);
+        group
     }
-    groups
 }
 
 /// Live triangles of one object across each other's edges, found by position.

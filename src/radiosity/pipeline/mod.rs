@@ -1,6 +1,7 @@
 //! A bake from end to end, in two halves: the light of elements, and that of vertices.
 
 mod elements;
+mod first_look;
 mod vertices;
 
 use std::sync::Arc;
@@ -19,6 +20,7 @@ use super::emitter_tree::EmitterTree;
 use super::findings::{Findings, VertexFindings};
 use super::form_factor::{Traced, View};
 use super::gather::{Aids, Gather};
+use super::layout::Layout;
 use super::observer::{Observer, Stage};
 use super::occlusion::{Hierarchy, Occluders};
 use super::parallel::Cancelled;
@@ -55,8 +57,7 @@ struct Solved {
     arrived: Arc<Vec<Vec3>>,
     solution: Arc<Solution>,
     error: SamplingError,
-    /// Area of an element, in squared internal units.
-    target: f32,
+    layout: Arc<Layout>,
 }
 
 /// Passes a scene through all stages, each of which takes from `start` what is still true.
@@ -102,7 +103,7 @@ pub(crate) fn run(
     };
     let stages = Stages {
         plan: Plan {
-            target: solved.target,
+            layout: solved.layout,
             density,
             emitters: solved.emitters,
             bright,
@@ -162,13 +163,16 @@ impl<'a> Run<'a> {
 
     /// The first half: from the scene to the light of its elements.
     fn solved(&mut self) -> Result<Solved, BakeError> {
-        let (pyramids, elements, receivers, target) = self.mesh()?;
+        let (pyramids, elements, receivers, layout) = self.mesh()?;
         let surfaces = Surfaces::new(self.scene, &pyramids);
         let (hierarchy, emitters) = self.occlusion(&surfaces, &elements)?;
+        let occluders = Occluders::new(&hierarchy, &surfaces);
+        let (elements, layout, first) =
+            self.first_look(elements, layout, (&surfaces, occluders), &emitters)?;
         let sampled = Emitters::at_elements(&emitters, self.settings);
         let view = View {
             scene: self.scene,
-            occluders: Occluders::new(&hierarchy, &surfaces),
+            occluders,
             elements: &elements,
             emitters: sampled,
             marks: &sampled.marks(&elements),
@@ -178,7 +182,7 @@ impl<'a> Run<'a> {
         let traced = self.form_factors(&view)?;
         let (direct, arrived) = self.direct(&view, &traced)?;
         let solution = self.solve(&elements, &traced, &arrived, &receivers)?;
-        let error = self.error(&view, &traced, &solution)?;
+        let error = self.error(&view, &traced, &solution, first.as_ref())?;
         Ok(Solved {
             pyramids,
             elements,
@@ -190,7 +194,7 @@ impl<'a> Run<'a> {
             arrived,
             solution,
             error,
-            target,
+            layout,
         })
     }
 
