@@ -76,7 +76,12 @@ impl<'a> Builder<'a> {
         let areas = self.areas.clone();
         let normals = self.elements.normals.clone();
         let mut merger = Merger::new(self.scene, &areas, &normals);
-        for group in merger.groups(&all, self.layout.patch) {
+        let groups = if self.layout.adapted {
+            merger.whole_groups(&all, self.layout.patch)
+        } else {
+            merger.groups(&all, self.layout.patch)
+        };
+        for group in groups {
             // Light passes what does not cast: no ray finds it.
             if self.scene.casts(self.scene.triangles[group[0] as usize]) {
                 self.add_patches(group, &mut merger);
@@ -100,7 +105,7 @@ impl<'a> Builder<'a> {
         let parts = if cut.m == 1 {
             vec![group]
         } else {
-            merger.groups(&group, target)
+            merger.whole_groups(&group, target)
         };
         for part in parts {
             let n = self.cells_along(&part, target);

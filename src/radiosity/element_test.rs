@@ -197,19 +197,21 @@ fn study() {
         ("statue", statue()),
     ] {
         let scene = scene.validate().unwrap();
-        for elements in [500, 2000, 8000] {
+        for (elements, element_rays) in [(2000, 48), (4000, 12)] {
             let dense = BakeSettings {
-                elements: 128_000,
-                element_rays: 256,
+                elements: 64_000,
+                element_rays: 192,
                 emitter_rays: 64,
                 ..even(&SETTINGS)
             };
             let truth = solved(&scene, &dense).1;
-            for adapt in [false, true] {
-                for seed in [1, 2] {
+            for adapt in [0, 1, 2] {
+                    super::first_look::STUDY.store(adapt, std::sync::atomic::Ordering::Relaxed);
+                for seed in [1, 2, 3] {
                     let settings = BakeSettings {
                         elements,
-                        adapt,
+                        element_rays,
+                        adapt: adapt > 0,
                         seed,
                         ..SETTINGS
                     };
@@ -222,7 +224,7 @@ fn study() {
                         .map(|(s, d)| format!("{}:{:.0}", &s.name()[..4], d.as_secs_f64() * 1e3))
                         .collect();
                     println!(
-                        "{name:8} {elements:5} adapt {adapt:5} seed {seed}: {:6} elements {:7} rays, error {:.3} % estimate {:.3} % sampling {:.2}  {}",
+                        "{name:8} {elements:5} x {element_rays} adapt {adapt} seed {seed}: {:6} elements {:7} rays, error {:.3} % estimate {:.3} % sampling {:.2}  {}",
                         stages.elements.len(),
                         report.work.element_rays,
                         100.0 * error,

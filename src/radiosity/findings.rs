@@ -65,7 +65,7 @@ impl Findings<'_> {
                 + vertices.map_or(0, |v| size_of_val(v.samples) as u64),
             energy,
             error: ErrorEstimate {
-                elements: COVER * self.error.cells,
+                elements: self.error.cells,
                 ..ErrorEstimate::default()
             },
             stopped: Stopped::default(),

@@ -63,29 +63,32 @@ impl FirstLook {
         layout: &Layout,
         settings: &BakeSettings,
     ) -> Layout {
+        let elements = &self.elements;
         let objects = self.needs(scene, traced, layout.patch);
         let needs: Vec<&Need> = objects.iter().flatten().collect();
         let parts = share_out(
             needs.iter().map(|need| need.uneven.cbrt()).collect(),
-            (1.0, MOST_PARTS),
+            (1.0, if STUDY.load(std::sync::atomic::Ordering::Relaxed) == 3 { 15.0 } else { MOST_PARTS }),
             |i, m| (needs[i].area * m * m).max(1.0),
             f64::from(settings.elements),
         );
         // A part's share of what is noisy, and how many parts there are.
         let count = |i: usize| needs[i].sides * (needs[i].area * parts[i] * parts[i]).max(1.0);
         let usual = f64::from(settings.element_rays);
-        let all: f64 = (0..needs.len()).map(count).sum();
+        // The first look took some already.
+        let spent: f64 = elements.rays.iter().map(|&rays| f64::from(rays)).sum();
+        let budget = usual * (0..needs.len()).map(count).sum::<f64>() - spent;
         let rays = share_out(
             (needs.iter().enumerate())
                 .map(|(i, need)| need.noisy / count(i))
                 .collect(),
             (LEAST_RAYS.min(usual), MOST_RAYS * usual),
             |i, rays| count(i) * rays,
-            usual * all,
+            budget,
         );
         let mut cuts = parts.iter().zip(&rays).map(|(&m, &rays)| Cut {
             m: m as u8,
-            rays: rays as u16,
+            rays: if STUDY.load(std::sync::atomic::Ordering::Relaxed) == 2 { settings.element_rays as u16 } else { rays as u16 },
         });
         let of_object = objects
             .iter()
@@ -157,3 +160,5 @@ fn share_out(
     }
     at(low).collect()
 }
+
+pub(crate) static STUDY: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);

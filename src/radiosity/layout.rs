@@ -19,6 +19,8 @@ const FIRST_RAYS: u32 = 2;
 pub(crate) struct Layout {
     /// Area of a patch, in squared internal units.
     pub(crate) patch: f32,
+    /// Whether elements differ in size: then small pieces between bumps are merged with others.
+    pub(crate) adapted: bool,
     /// The cut of a patch that nothing is known of.
     pub(crate) otherwise: Cut,
     /// The cuts of the patches of each object.
@@ -40,6 +42,7 @@ impl Layout {
         let rays = settings.element_rays as u16;
         Self {
             patch: Self::wanted(scene, settings),
+            adapted: false,
             otherwise: Cut { m: 1, rays },
             of_object: Vec::new(),
         }
@@ -51,6 +54,7 @@ impl Layout {
         let rays = (settings.element_rays / FIRST_RAYS).max(2) as u16;
         Self {
             patch: even.patch * f32::from(USUAL).powi(2),
+            adapted: true,
             otherwise: Cut { m: 1, rays },
             ..even
         }
@@ -60,6 +64,7 @@ impl Layout {
     pub(crate) fn looked_at(&self, of_object: Vec<Arc<[Cut]>>, settings: &BakeSettings) -> Self {
         Self {
             patch: self.patch,
+            adapted: true,
             otherwise: Cut {
                 m: USUAL,
                 rays: settings.element_rays as u16,
