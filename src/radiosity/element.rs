@@ -154,6 +154,18 @@ impl Elements {
         sums
     }
 
+    /// How many elements a patch, now one, becomes if it is cut into `m` along an edge.
+    pub(crate) fn parts(&self, e: usize, patch: f32, m: f64) -> f64 {
+        let whole = f64::from(self.area[e] / self.coverage[e].max(f32::MIN_POSITIVE));
+        let times = m * (whole / f64::from(patch)).sqrt();
+        let along = match self.pieces_of(e) {
+            [one] if self.cells[one.triangle as usize].n > 1 => m,
+            [_] => times.round(),
+            _ => times,
+        };
+        along.powi(2).max(1.0)
+    }
+
     /// Areas of all elements.
     pub(crate) fn iter_area(&self) -> impl Iterator<Item = f64> + '_ {
         self.area.iter().map(|&a| f64::from(a))

@@ -219,10 +219,13 @@ impl<'a> Builder<'a> {
         for &t in group {
             let key = self.scene.triangles[t as usize];
             let seed = hash(key.triangle, number);
-            let points: [Vec3; TEXTURE_POINTS] = std::array::from_fn(|i| {
-                let [u, v, ..] = sobol(i as u32, 0, seed);
-                part.point(triangle_point(u, v))
-            });
+            let mut points = [Vec3::splat(1.0 / 3.0); TEXTURE_POINTS];
+            if !self.surfaces.uniform(t) {
+                points = std::array::from_fn(|i| {
+                    let [u, v, ..] = sobol(i as u32, 0, seed);
+                    part.point(triangle_point(u, v))
+                });
+            }
             let diffuse = self.surfaces.average(t, &points, share);
             let area = self.areas[t as usize] * share;
             cumulative += f64::from(area) / whole;

@@ -5,7 +5,7 @@ use glam::Vec3A;
 use super::color::luminance;
 use super::element::{ElementId, Elements};
 use super::form_factor::Traced;
-use super::layout::{Cut, Layout};
+use super::layout::{Cut, Layout, USUAL};
 use super::settings::BakeSettings;
 use super::surroundings::Surroundings;
 use super::validate::ValidScene;
@@ -30,10 +30,9 @@ pub(crate) struct FirstLook {
 /// What is known of a patch.
 #[derive(Clone, Copy, Debug, Default)]
 struct Need {
-    /// Elements on it, one or one on each side.
+    /// An element on it, and how many there are: one, or one on each side.
+    element: usize,
     sides: f64,
-    /// Area of a side beside that of an average patch.
-    area: f64,
     /// Area times the difference of what is sent, of both sides.
     uneven: f64,
     /// Area times the standard deviation that one ray leaves in what is sent.
@@ -64,31 +63,38 @@ impl FirstLook {
         settings: &BakeSettings,
     ) -> Layout {
         let elements = &self.elements;
+        // In the dark nothing tells where light will be.
+        if self.seen.iter().all(|&light| light == Vec3A::ZERO) {
+            return layout.looked_at(Vec::new(), settings);
+        }
         let objects = self.needs(scene, traced, layout.patch);
         let needs: Vec<&Need> = objects.iter().flatten().collect();
+        let count = |i: usize, m| {
+            let need: &Need = needs[i];
+            need.sides * elements.parts(need.element, layout.patch, m)
+        };
+        let patches = elements.iter_area().sum::<f64>() / f64::from(layout.patch);
         let parts = share_out(
             needs.iter().map(|need| need.uneven.cbrt()).collect(),
-            (1.0, if STUDY.load(std::sync::atomic::Ordering::Relaxed) == 3 { 15.0 } else { MOST_PARTS }),
-            |i, m| (needs[i].area * m * m).max(1.0),
-            f64::from(settings.elements),
+            (1.0, MOST_PARTS),
+            count,
+            patches * f64::from(USUAL).powi(2),
         );
-        // A part's share of what is noisy, and how many parts there are.
-        let count = |i: usize| needs[i].sides * (needs[i].area * parts[i] * parts[i]).max(1.0);
+        let count = |i: usize| count(i, parts[i]);
         let usual = f64::from(settings.element_rays);
         // The first look took some already.
         let spent: f64 = elements.rays.iter().map(|&rays| f64::from(rays)).sum();
-        let budget = usual * (0..needs.len()).map(count).sum::<f64>() - spent;
         let rays = share_out(
             (needs.iter().enumerate())
                 .map(|(i, need)| need.noisy / count(i))
                 .collect(),
             (LEAST_RAYS.min(usual), MOST_RAYS * usual),
             |i, rays| count(i) * rays,
-            budget,
+            usual * (0..needs.len()).map(count).sum::<f64>() - spent,
         );
         let mut cuts = parts.iter().zip(&rays).map(|(&m, &rays)| Cut {
             m: m as u8,
-            rays: if STUDY.load(std::sync::atomic::Ordering::Relaxed) == 2 { settings.element_rays as u16 } else { rays as u16 },
+            rays: rays as u16,
         });
         let of_object = objects
             .iter()
@@ -122,8 +128,8 @@ impl FirstLook {
                 let around = surroundings.around(places[e]);
                 let area = f64::from(elements.area[e] / patch);
                 let need = &mut needs[p];
+                need.element = e;
                 need.sides += 1.0;
-                need.area = need.area.max(area);
                 need.uneven += area * around.difference();
                 need.noisy += area * (around.noise() * f64::from(elements.rays[e])).sqrt();
             }
@@ -151,7 +157,7 @@ fn share_out(
     let mut low = 0.5 * least / positive().fold(f64::MIN_POSITIVE, f64::max);
     let mut high = most / positive().fold(f64::MAX, f64::min);
     for _ in 0..HALVINGS {
-        let middle = (low * high).sqrt();
+        let middle = low.sqrt() * high.sqrt();
         if affordable(middle) {
             low = middle;
         } else {
@@ -160,5 +166,3 @@ fn share_out(
     }
     at(low).collect()
 }
-
-pub(crate) static STUDY: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);

@@ -6,7 +6,7 @@ use super::validate::ValidScene;
 
 /// Elements along an edge of a patch that nothing is known of: a quarter of the elements are enough
 /// for a first look.
-const USUAL: u8 = 2;
+pub(super) const USUAL: u8 = 2;
 
 /// A first look takes one of so many rays.
 const FIRST_RAYS: u32 = 2;
