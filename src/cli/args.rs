@@ -114,6 +114,9 @@ pub(super) struct SettingsArgs {
     /// balanced 8000, final 16000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4_000_000))]
     elements: Option<u32>,
+    /// Make all elements one size with as many rays, instead of placing them by the light
+    #[arg(long)]
+    no_adapt: bool,
     /// Rays from each element to find what it sees, 1 to 4096 [draft 32, balanced 48, final 128]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     element_rays: Option<u32>,
@@ -202,6 +205,7 @@ impl SettingsArgs {
             max_vertices: self.max_vertices.unwrap_or(preset.max_vertices),
             max_seconds: self.max_seconds.or(preset.max_seconds),
             elements: self.elements.unwrap_or(preset.elements),
+            adapt: !self.no_adapt,
             element_rays: self.element_rays.unwrap_or(preset.element_rays),
             gather_rays: self.gather_rays.unwrap_or(preset.gather_rays),
             samples_per_vertex: self.samples_per_vertex.unwrap_or(preset.samples_per_vertex),

@@ -57,6 +57,7 @@ fn settings(settings: &BakeSettings, args: &BakeArgs) -> Value {
         "gather_rays": settings.gather_rays,
         "samples_per_vertex": settings.samples_per_vertex,
         "emitter_rays": settings.emitter_rays,
+        "adapt": settings.adapt,
         "sample_emitters": settings.sample_emitters,
         "solver": settings.solver.name(),
         "solver_tolerance": settings.solver_tolerance,

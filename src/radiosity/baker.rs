@@ -2,7 +2,6 @@ use glam::Vec3;
 
 use super::bake::{BakeError, check};
 use super::baked::{Bake, ObjectLight};
-use super::element::Elements;
 use super::observer::Observer;
 use super::pipeline::run;
 use super::report::Work;
@@ -160,7 +159,7 @@ impl Kept {
             max_memory: settings.max_memory,
             ..self.settings.clone()
         };
-        let area = Elements::target(scene, settings.elements) / self.stages.plan.target;
+        let area = self.stages.plan.layout.outgrown(scene, settings);
         solver == *settings
             && scene.frame() == self.scene.frame()
             && (1.0 / OUTDATED..OUTDATED).contains(&area)

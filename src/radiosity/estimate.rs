@@ -6,6 +6,7 @@ use super::element::Elements;
 use super::emitter::Emitters;
 use super::emitter_tree::EmitterTree;
 use super::form_factor::{FormFactors, View};
+use super::layout::Layout;
 use super::observer::Observer;
 use super::occlusion::{Hierarchy, Holds, Occluders};
 use super::receiver_mesh::ReceiverMeshes;
@@ -90,7 +91,7 @@ pub fn estimate(
     let elements = Elements::new(
         scene,
         &surfaces,
-        Elements::target(scene, settings.elements),
+        &Layout::even(scene, settings),
         settings.max_reflectance,
     );
     let hierarchy = Hierarchy::new(scene, &surfaces, Holds::Casting, BvhQuality::Best);

@@ -90,7 +90,7 @@ impl Findings<'_> {
             total: 0.0,
             meshing: (found * found - sampling * sampling).max(0.0).sqrt(),
             sampling,
-            elements: 0.0,
+            elements: self.error.cells,
             solver: beside_mean(self.solution.report.error_bound),
         };
         let parts = [error.meshing, error.sampling, error.elements, error.solver];
@@ -109,10 +109,17 @@ impl Findings<'_> {
             elements,
             emitters: self.elements.emissive_triangles().count() as u64,
             lights: self.scene.lights.len() as u64,
-            rays: elements * u64::from(self.settings.rays_of_element())
-                + counts.samples * u64::from(self.settings.gather_rays),
+            rays: self.element_rays() + counts.samples * u64::from(self.settings.gather_rays),
             shadow_rays: (elements + counts.samples) * shadow_rays,
             ..counts
+        }
+    }
+
+    /// Rays of all elements, where form factors are made of rays.
+    fn element_rays(&self) -> u64 {
+        match self.settings.form_factors {
+            FormFactors::HitList => self.elements.rays.iter().map(|&rays| u64::from(rays)).sum(),
+            _ => 0,
         }
     }
 

@@ -34,7 +34,8 @@
 //! | `scene`, `light`, `validate`, `mend` | what goes in, checked and mended once |
 //! | `surface`, `texture` | reflectance, emission and transparency of any point |
 //! | `receiver_mesh` | the meshes that carry light, split and welded |
-//! | `element`, `grouping` | the pieces of surface the system is solved on |
+//! | `element`, `element_builder`, `cells`, `grouping` | the pieces of surface the system is solved on |
+//! | `layout` | how fine they are, and how many rays each casts |
 //! | `bvh`, `occlusion` | rays against the input triangles |
 //! | `emitter`, `emitter_tree` | emissive surfaces: few in closed form, many sampled |
 //! | `facet` | a shining polygon as a point sees it, with and without shadow |
@@ -42,6 +43,8 @@
 //! | `form_factor` | rows of `F` as lists of ray hits |
 //! | `solve`, `partial` | the system solved, by one of several methods; light on its way there |
 //! | `gather`, `gathered`, `fit` | irradiance inside triangles, fitted by vertex values |
+//! | `first_look`, `surroundings` | where elements and rays are needed, by a coarse solution |
+//! | `element_error` | how far off elements of constant light are |
 //! | `sampling_error` | how far off chance leaves the light of elements |
 //! | `element_light` | the light of elements, to look at |
 //! | `pipeline`, `stages` | all of it, one stage after the other, each resumed where it can be |
@@ -60,17 +63,23 @@ mod baker_methods_test;
 mod baker_test;
 mod bounds;
 mod bvh;
+mod cells;
 mod change;
 mod color;
 mod cut;
 mod direct;
 mod element;
+mod element_builder;
+mod element_error;
 mod element_light;
+#[cfg(test)]
+mod element_test;
 mod emitter;
 mod emitter_tree;
 mod estimate;
 mod facet;
 mod findings;
+mod first_look;
 mod fit;
 mod form_factor;
 mod gather;
@@ -78,6 +87,7 @@ mod gathered;
 mod grouping;
 mod identity;
 mod illumination;
+mod layout;
 mod light;
 mod mend;
 mod observer;
@@ -98,6 +108,7 @@ mod solve;
 mod speed;
 mod stages;
 mod surface;
+mod surroundings;
 mod texture;
 mod triangle;
 mod validate;

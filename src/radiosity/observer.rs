@@ -12,6 +12,8 @@ pub enum Stage {
     /// The ray-tracing hierarchy over the input triangles is built; how much of the view each
     /// emissive material fills is measured with it.
     Occlusion,
+    /// The light of a quarter of the elements is found, to place elements and rays by it.
+    FirstLook,
     /// Rays from every element find the rows of the form-factor matrix.
     FormFactors,
     /// Lights and emitters are sampled from every element.
@@ -34,10 +36,11 @@ pub enum Stage {
 
 impl Stage {
     /// All stages of a bake, in the order they run.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Contacts,
         Self::Mesh,
         Self::Occlusion,
+        Self::FirstLook,
         Self::FormFactors,
         Self::Direct,
         Self::Solve,
@@ -54,6 +57,7 @@ impl Stage {
             Self::Contacts => "contacts",
             Self::Mesh => "mesh",
             Self::Occlusion => "occlusion",
+            Self::FirstLook => "first look",
             Self::FormFactors => "form factors",
             Self::Direct => "direct light",
             Self::Solve => "solve",

@@ -2,6 +2,8 @@ use glam::{Vec3, Vec3A};
 
 use super::color::luminance;
 use super::direct::{Sampler, ShadowRays, loose_emission};
+use super::element_error::{Sent, apart};
+use super::first_look::FirstLook;
 use super::form_factor::{RowByRow, Traced, View};
 use super::observer::{Observer, Stage};
 use super::parallel::{Cancelled, map_chunks, map_ranges};
@@ -38,6 +40,9 @@ pub(crate) struct SamplingError {
     pub(crate) elements: f32,
     /// What that adds to the error of light arriving at vertices, the same way.
     pub(crate) vertices: f32,
+    /// Not chance, but what constant light in each element leaves out of light arriving anywhere, the
+    /// same way; 0 where only one solution is known.
+    pub(crate) cells: f32,
 }
 
 /// Elements whose lights and emitters are asked again: one of so many, at least and at most so many.
@@ -69,6 +74,8 @@ pub(crate) struct Judge<'a> {
     pub(crate) sampler: &'a Sampler<'a>,
     pub(crate) traced: &'a Traced,
     pub(crate) solution: &'a Solution,
+    /// A solution of coarser elements.
+    pub(crate) first: Option<&'a FirstLook>,
 }
 
 /// Errors of some elements, luminance, and moments of them.
@@ -137,7 +144,12 @@ impl Judge<'_> {
             Some(denser) => self.bounced_again(&denser, &seen, observer)?,
             None => self.bounced_by_halves(&seen),
         };
-        Ok((self.error(&direct, &bounced, &seen), cost))
+        let (cells, rays) = self.left_out(&seen, observer)?;
+        let error = SamplingError {
+            cells,
+            ..self.error(&direct, &bounced, &seen)
+        };
+        Ok((error, cost + rays))
     }
 
     /// One element of every stretch of the list, at random.
@@ -217,11 +229,34 @@ impl Judge<'_> {
         errors.add(elements.area[e], elements.reflectance[e], d);
     }
 
-    fn error(&self, direct: &Errors, bounced: &Errors, seen: &[Vec3A]) -> SamplingError {
+    /// What elements of constant light leave out, and the rays to tell.
+    fn left_out(&self, seen: &[Vec3A], observer: &dyn Observer) -> Result<(f32, u64), Cancelled> {
+        let (Some(first), level) = (self.first, self.level()) else {
+            return Ok((0.0, 0));
+        };
+        let fine = Sent {
+            elements: self.view.elements,
+            light: seen,
+        };
+        let coarse = Sent {
+            elements: &first.elements,
+            light: &first.seen,
+        };
+        let (apart, rays) = apart(self.view, fine, coarse, observer)?;
+        Ok(((apart / level.max(f64::MIN_POSITIVE)) as f32, rays))
+    }
+
+    /// Mean light that arrives.
+    fn level(&self) -> f64 {
         let elements = self.view.elements;
         let lit = elements.iter_area().zip(&self.solution.arriving);
         let light: f64 = lit.map(|(a, &l)| a * f64::from(luminance(l))).sum();
-        let level = light / elements.iter_area().sum::<f64>().max(f64::MIN_POSITIVE);
+        light / elements.iter_area().sum::<f64>().max(f64::MIN_POSITIVE)
+    }
+
+    fn error(&self, direct: &Errors, bounced: &Errors, seen: &[Vec3A]) -> SamplingError {
+        let elements = self.view.elements;
+        let level = self.level();
         if level <= 0.0 {
             return SamplingError::default();
         }
@@ -232,6 +267,7 @@ impl Judge<'_> {
         SamplingError {
             elements: ((squares + vertices).sqrt() / level) as f32,
             vertices: (vertices.sqrt() / level) as f32,
+            cells: 0.0,
         }
     }
 

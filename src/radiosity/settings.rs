@@ -34,6 +34,9 @@ pub struct BakeSettings {
     /// How many elements the indirect light is solved on, roughly. Surfaces are cut or merged to
     /// an even size to come near it. Limit: 1..=4,000,000.
     pub elements: u32,
+    /// Places elements and rays by the light, after a first look with a quarter of them. Without it
+    /// all elements have one size and cast as many rays.
+    pub adapt: bool,
     /// How form factors between elements are found.
     pub form_factors: FormFactors,
     /// Rays a row of the hit list, the default [`FormFactors`]. Error of an element ≈ 3 % · (64 / rays)^0.7.
@@ -75,6 +78,7 @@ impl BakeSettings {
         max_vertices: 1_000_000,
         max_seconds: None,
         elements: 4_000,
+        adapt: true,
         form_factors: FormFactors::HitList,
         element_rays: 32,
         gather_rays: 24,

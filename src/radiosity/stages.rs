@@ -9,6 +9,7 @@ use super::emitter_tree::EmitterTree;
 use super::fit::Smoothing;
 use super::form_factor::Traced;
 use super::gathered::Gathered;
+use super::layout::Layout;
 use super::occlusion::Hierarchy;
 use super::receiver_mesh::ReceiverMeshes;
 use super::receivers::Receivers;
@@ -46,8 +47,8 @@ pub(crate) struct Stages {
 /// stay unbiased with a plan that is not quite up to date.
 #[derive(Clone)]
 pub(crate) struct Plan {
-    /// Area of an element, in squared internal units.
-    pub(crate) target: f32,
+    /// How surfaces are cut into elements.
+    pub(crate) layout: Arc<Layout>,
     /// Samples per square root of a triangle's area, of coarse and fine meshes.
     pub(crate) density: [f32; 2],
     /// Emissive triangles to sample.
@@ -128,6 +129,7 @@ impl Stages {
             + size_of_val(&*self.solution.arriving) as u64
             + size_of_val(&*self.solution.reflected) as u64
             + self.gathered.bytes()
+            + self.plan.layout.bytes()
             + self.plan.emitters.bytes()
             + self.plan.bright.bytes()
     }

@@ -120,7 +120,7 @@ impl<'a> Surfaces<'a> {
     }
 
     /// Whether a live triangle looks the same everywhere.
-    fn uniform(&self, triangle: u32) -> bool {
+    pub(crate) fn uniform(&self, triangle: u32) -> bool {
         let key = self.scene.triangles[triangle as usize];
         let m = self.scene.material(key);
         self.scene.objects[key.object as usize].colors.is_empty()

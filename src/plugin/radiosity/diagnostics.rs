@@ -26,6 +26,7 @@ impl RadiosityDiagnostics {
         DiagnosticPath::const_new(match stage {
             Stage::Mesh => "radiosity/mesh",
             Stage::Occlusion => "radiosity/occlusion",
+            Stage::FirstLook => "radiosity/first_look",
             Stage::FormFactors => "radiosity/form_factors",
             Stage::Direct => "radiosity/direct",
             Stage::Solve => "radiosity/solve",

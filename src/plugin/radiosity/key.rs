@@ -75,6 +75,7 @@ fn hash_settings(state: &mut impl Hasher, bake: &BakeSettings) {
     let BakeSettings {
         max_edge,
         elements,
+        adapt,
         form_factors,
         element_rays,
         gather_rays,
@@ -97,7 +98,7 @@ fn hash_settings(state: &mut impl Hasher, bake: &BakeSettings) {
         seed,
     ];
     counts.hash(state);
-    (form_factors, sample_emitters, max_memory).hash(state);
+    (form_factors, adapt, sample_emitters, max_memory).hash(state);
     std::mem::discriminant(&solver).hash(state);
     if let Solver::Sor { omega } = solver {
         hash_floats(state, &[omega]);

@@ -65,6 +65,7 @@ impl Default for RadiositySettings {
 pub struct BakeSettingsReflect {
     pub max_edge: Option<f32>,
     pub elements: u32,
+    pub adapt: bool,
     #[reflect(remote = FormFactorsReflect)]
     pub form_factors: FormFactors,
     pub element_rays: u32,

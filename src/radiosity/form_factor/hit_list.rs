@@ -20,11 +20,12 @@ use super::{Cast, View};
 ///   └───────────────────────────────────────────────────────────┘
 /// ```
 ///
-/// A row is `S` element ids. It sums to 1 − misses/S, never above 1, so that Gauss–Seidel
-/// converges for any reflectance below 1.
+/// A row is `S` element ids, as many as its element casts rays. It sums to 1 − misses/S, never above
+/// 1, so that Gauss–Seidel converges for any reflectance below 1.
 pub(crate) struct HitList {
-    rays: usize,
     ids: Vec<u32>,
+    /// Where each row starts, and one past the last ends.
+    first: Vec<usize>,
     /// Rays of each row that hit an element.
     hits: Vec<u32>,
 }
@@ -32,12 +33,13 @@ pub(crate) struct HitList {
 impl HitList {
     /// `Σ_j F_ij x_j` for element `e`.
     pub(crate) fn gather(&self, e: usize, values: &[Vec3A]) -> DVec3 {
+        let row = self.row(e);
         // A miss is beyond the end: one comparison for both.
         let value = |id: u32| values.get(id as usize).copied().unwrap_or(Vec3A::ZERO);
         let mut sum = DVec3::ZERO;
         // Short sums in f32 lose nothing that matters; the long one is in f64. Four at a time,
         // because one addition takes as long as four that do not wait for each other.
-        let (blocks, rest) = self.row(e).as_chunks::<16>();
+        let (blocks, rest) = row.as_chunks::<16>();
         for block in blocks {
             let mut partial = [Vec3A::ZERO; 4];
             for four in block.as_chunks::<4>().0 {
@@ -50,21 +52,31 @@ impl HitList {
         for &id in rest {
             sum += value(id).as_dvec3();
         }
-        sum / self.rays as f64
+        sum / row.len() as f64
     }
 
     /// `Σ_j F_ij` for element `e`: 1 where no ray escapes.
     pub(crate) fn row_sum(&self, e: usize) -> f64 {
-        f64::from(self.hits[e]) / self.rays as f64
+        f64::from(self.hits[e]) / self.row(e).len() as f64
     }
 
     pub(super) fn row(&self, e: usize) -> &[u32] {
-        &self.ids[e * self.rays..(e + 1) * self.rays]
+        &self.ids[self.first[e]..self.first[e + 1]]
+    }
+
+    /// Where the rays of a row start among all.
+    pub(super) fn first(&self, e: usize) -> usize {
+        self.first[e]
+    }
+
+    /// The weight of each ray of a row.
+    pub(super) fn per_ray(&self, e: usize) -> f32 {
+        1.0 / self.row(e).len() as f32
     }
 
     /// Tells `found` of every hit of a row.
     pub(super) fn each(&self, e: usize, mut found: impl FnMut(u32, f32)) {
-        let weight = 1.0 / self.rays as f32;
+        let weight = self.per_ray(e);
         for &id in self.row(e).iter().filter(|&&id| id < GONE) {
             found(id, weight);
         }
@@ -81,23 +93,32 @@ impl HitList {
     }
 
     pub(crate) fn bytes(&self) -> u64 {
-        4 * (self.ids.len() + self.hits.len()) as u64
+        (size_of_val(&*self.ids) + size_of_val(&*self.first) + size_of_val(&*self.hits)) as u64
     }
 
-    fn new(rays: usize, ids: Vec<u32>) -> Self {
-        let count = |row: &[u32]| row.iter().filter(|&&id| id < GONE).count() as u32;
+    /// From what all rays met, and how many rays each row has.
+    fn new(ids: Vec<u32>, lengths: impl Iterator<Item = usize>) -> Self {
+        let mut first = vec![0];
+        first.extend(lengths.scan(0, |end, length| {
+            *end += length;
+            Some(*end)
+        }));
+        let count = |row: &[usize]| {
+            let row = &ids[row[0]..row[1]];
+            row.iter().filter(|&&id| id < GONE).count() as u32
+        };
         Self {
-            rays,
-            hits: ids.chunks(rays).map(count).collect(),
+            hits: first.windows(2).map(count).collect(),
+            first,
             ids,
         }
     }
 
-    /// A matrix given row by row, each of the same number of entries; `None` is a miss.
+    /// A matrix given row by row; `None` is a miss.
     #[cfg(test)]
     pub(crate) fn from_rows(rows: &[Vec<Option<u32>>]) -> Self {
         let ids = rows.iter().flatten().map(|id| id.unwrap_or(SKY));
-        Self::new(rows[0].len(), ids.collect())
+        Self::new(ids.collect(), rows.iter().map(Vec::len))
     }
 }
 
@@ -109,7 +130,7 @@ const CHUNK: usize = 64;
 struct Rows {
     ids: Vec<u32>,
     reaches: Vec<Reach>,
-    sky: Vec<u32>,
+    sky: Vec<f32>,
     met: Vec<Met>,
     /// How many of `met` each element has.
     met_count: Vec<u32>,
@@ -126,32 +147,30 @@ pub(crate) fn trace(
     let count = view.elements.len();
     let chunks = map_ranges(count, CHUNK, Stage::FormFactors, observer, |range| {
         let mut rows = Rows::default();
-        rows.ids
-            .reserve_exact(range.len() * view.settings.element_rays as usize);
+        let rays = view.elements.rays[range.clone()].iter();
+        rows.ids.reserve_exact(rays.map(|&r| usize::from(r)).sum());
         for e in range {
             let met = rows.met.len();
             let kept = before.and_then(|b| Some((b, b.change.element_before[e]?)));
-            let misses = match kept {
+            let rays = view.elements.rays[e].into();
+            let misses: u32 = match kept {
                 Some((before, old)) => view.row_again(e, before, old as usize, &mut rows),
-                None => (0..view.settings.element_rays)
-                    .map(|i| view.ray(e, i, &mut rows))
-                    .sum(),
+                None => (0..rays).map(|i| view.ray(e, i, &mut rows)).sum(),
             };
-            rows.sky.push(misses);
+            rows.sky.push(misses as f32 * (1.0 / rays as f32));
             rows.met_count.push((rows.met.len() - met) as u32);
         }
         rows
     })?;
-    let rays = count * view.settings.element_rays as usize;
+    let lengths = view.elements.rays.iter().map(|&rays| usize::from(rays));
+    let rays = lengths.clone().sum();
     let mut ids = Vec::with_capacity(rays);
-    let per_ray = 1.0 / view.settings.element_rays as f32;
     let mut traced = Traced {
-        rows: Matrix::Hits(HitList::new(1, Vec::new())),
+        rows: Matrix::Rows(Vec::new()),
         report: FormFactorReport::default(),
         sky: Vec::with_capacity(count),
         met: Vec::new(),
         first_met: vec![0],
-        per_ray,
         excess: Vec::new(),
         reaches: Vec::with_capacity(if view.remember { rays } else { 0 }),
     };
@@ -159,9 +178,7 @@ pub(crate) fn trace(
     for rows in chunks {
         ids.extend(rows.ids);
         traced.reaches.extend(rows.reaches);
-        traced
-            .sky
-            .extend(rows.sky.iter().map(|&sky| sky as f32 * per_ray));
+        traced.sky.extend(rows.sky);
         traced.met.extend(rows.met);
         for count in rows.met_count {
             end += count;
@@ -169,9 +186,9 @@ pub(crate) fn trace(
         }
         cost += rows.traced;
     }
-    let rows = HitList::new(view.settings.element_rays as usize, ids);
-    let most = rows.hits.iter().max().copied().unwrap_or(0);
-    traced.report.largest_row_sum = f64::from(most) * f64::from(per_ray);
+    let rows = HitList::new(ids, lengths);
+    let sums = (0..count).map(|e| rows.row_sum(e));
+    traced.report.largest_row_sum = sums.fold(0.0, f64::max);
     traced.rows = Matrix::Hits(rows);
     Ok((traced, cost))
 }
@@ -182,15 +199,15 @@ impl View<'_> {
         let sphere = self.elements.sphere(self.scene, ElementId(e as u32));
         let disturbed = before.change.disturbed.from(sphere);
         let traced = before.traced;
+        let rays = self.elements.rays[e].into();
+        // The same element casts as many rays as it did.
         let Matrix::Hits(hits) = &traced.rows else {
-            return (0..self.settings.element_rays)
-                .map(|i| self.ray(e, i, rows))
-                .sum();
+            return (0..rays).map(|i| self.ray(e, i, rows)).sum();
         };
         let mut met = traced.met_of(old).iter().peekable();
-        let first = old * self.settings.element_rays as usize;
+        let first = hits.first(old);
         let mut sky = 0;
-        for i in 0..self.settings.element_rays {
+        for i in 0..rays {
             let known = met.next_if(|m| m.ray == i);
             let reach = traced.reaches[first + i as usize];
             let id = before.change.translate(hits.ids[first + i as usize]);

@@ -76,6 +76,11 @@ struct Cast {
 }
 
 impl View<'_> {
+    /// What ray `i` of element `e` hits.
+    pub(crate) fn hit(&self, e: usize, i: u32) -> Option<Hit> {
+        self.cast(e, i).hit
+    }
+
     /// Ray `i` of element `e`: from points spread over the element, with density cos θ / π.
     fn cast(&self, e: usize, i: u32) -> Cast {
         let id = ElementId(e as u32);

@@ -193,6 +193,7 @@ mod tests {
     use crate::radiosity::emitter_tree::EmitterTree;
     use crate::radiosity::form_factor::analytic::Analytic;
     use crate::radiosity::form_factor::area_sampling::AreaSampling;
+    use crate::radiosity::layout::Layout;
     use crate::radiosity::occlusion::{Hierarchy, Holds, Occluders};
     use crate::radiosity::scene::{Material, Object, Scene};
     use crate::radiosity::settings::BakeSettings;
@@ -212,10 +213,13 @@ mod tests {
             ..Scene::default()
         };
         let scene = scene.validate().expect("a scene to bake");
-        let settings = BakeSettings::DRAFT;
+        let settings = BakeSettings {
+            elements: 60,
+            ..BakeSettings::DRAFT
+        };
         let pyramids = Pyramids::new(&scene, None);
         let surfaces = Surfaces::new(&scene, &pyramids);
-        let elements = Elements::new(&scene, &surfaces, Elements::target(&scene, 60), 0.9);
+        let elements = Elements::new(&scene, &surfaces, &Layout::even(&scene, &settings), 0.9);
         let hierarchy = Hierarchy::new(&scene, &surfaces, Holds::Casting, BvhQuality::Quick);
         let occluders = Occluders::new(&hierarchy, &surfaces);
         let tree = EmitterTree::new(&scene, &elements, &occluders, &settings, &());

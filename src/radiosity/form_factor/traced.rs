@@ -24,8 +24,6 @@ pub(crate) struct Traced {
     /// Rays that met sampled emitters: those of element `e` from `first_met[e]` on.
     pub(super) met: Vec<Met>,
     pub(super) first_met: Vec<u32>,
-    /// One ray's share of a view.
-    pub(super) per_ray: f32,
     /// By how much each row summed to more than 1 before it was scaled to it; empty if none did.
     pub(super) excess: Vec<f32>,
     /// How far each ray went; empty if nobody will ask.
@@ -59,7 +57,6 @@ impl Traced {
             rows,
             report,
             sky,
-            per_ray: 0.0,
             excess: Vec::new(),
             reaches: Vec::new(),
         }
@@ -88,7 +85,11 @@ impl Traced {
             .map(|m| elements.emission[m.element as usize] * m.weight)
             .sum();
         let loose = loose.map_or(Vec3::ZERO, |l| self.rows.gather(e, l).as_vec3());
-        sky * self.sky[e] + sampled * self.per_ray + loose
+        let per_ray = match &self.rows {
+            Matrix::Hits(hits) => hits.per_ray(e),
+            Matrix::Rows(_) => 0.0,
+        };
+        sky * self.sky[e] + sampled * per_ray + loose
     }
 
     /// Light of `seen` elements and of sky that arrives over a row.

@@ -10,7 +10,10 @@ use crate::radiosity::color::divide;
 use crate::radiosity::direct::{Direct, DirectBefore, Sampler};
 use crate::radiosity::element::Elements;
 use crate::radiosity::emitter_tree::EmitterTree;
+use crate::radiosity::first_look::FirstLook;
 use crate::radiosity::form_factor::{GONE, RowsBefore, Traced, View, form_factors};
+use crate::radiosity::identity::{matches, object_identities};
+use crate::radiosity::layout::Layout;
 use crate::radiosity::observer::Stage;
 use crate::radiosity::occlusion::{Hierarchy, Holds, Occluders};
 use crate::radiosity::partial::PartialLight;
@@ -21,44 +24,61 @@ use crate::radiosity::stages::{Before, Stages};
 use crate::radiosity::surface::{Pyramids, Surfaces};
 use crate::radiosity::validate::ValidScene;
 
+/// Textures, elements, the meshes that receive light, and how surfaces are cut.
+type Meshed = (
+    Arc<Pyramids>,
+    Arc<Elements>,
+    Arc<ReceiverMeshes>,
+    Arc<Layout>,
+);
+
 /// From the scene to the light of its elements.
 impl Run<'_> {
-    /// Elements, the meshes that receive light, and an element's area.
-    pub(super) fn mesh(
-        &mut self,
-    ) -> Result<(Arc<Pyramids>, Arc<Elements>, Arc<ReceiverMeshes>, f32), BakeError> {
+    /// Elements, the meshes that receive light, and how surfaces are cut.
+    pub(super) fn mesh(&mut self) -> Result<Meshed, BakeError> {
         let scene = self.scene;
-        let planned = self.start.plan.map(|p| p.target);
         let Some(before) = self.start.before else {
             return self.stage(Stage::Mesh, |run| {
-                let target =
-                    planned.unwrap_or_else(|| Elements::target(scene, run.settings.elements));
+                let layout = run
+                    .start
+                    .plan
+                    .map_or_else(|| run.first_layout().into(), |plan| plan.layout.clone());
                 let pyramids = Pyramids::new(scene, None);
-                let elements = run.elements(&pyramids, target);
+                let elements = run.elements(&Surfaces::new(scene, &pyramids), &layout);
                 let receivers = ReceiverMeshes::new(scene, run.settings, None)?;
-                Ok((pyramids.into(), elements.into(), receivers.into(), target))
+                Ok((pyramids.into(), elements.into(), receivers.into(), layout))
             });
         };
-        let (old, target) = (before.stages, before.stages.plan.target);
+        let old = before.stages;
         if scene.same_surfaces(before.scene) {
             let sides = ((before.scene, &*old.elements), (scene, &*old.elements));
             self.change = Some(Change::between(sides.0, sides.1));
             let kept = old.clone();
-            return Ok((kept.pyramids, kept.elements, kept.given, target));
+            return Ok((kept.pyramids, kept.elements, kept.given, kept.plan.layout));
         }
         self.stage(Stage::Mesh, |run| {
             let pyramids = Pyramids::new(scene, Some((before.scene, &old.pyramids)));
-            let elements = run.elements(&pyramids, target);
+            let same = same_triangles(before.scene, scene);
+            let layout = Arc::new(old.plan.layout.renumbered(&same));
+            let elements = run.elements(&Surfaces::new(scene, &pyramids), &layout);
             let change = Change::between((before.scene, &old.elements), (scene, &elements));
             let receivers = run.receivers(old, &change)?;
             run.change = Some(change);
-            Ok((pyramids.into(), elements.into(), receivers, target))
+            Ok((pyramids.into(), elements.into(), receivers, layout))
         })
     }
 
-    fn elements(&self, pyramids: &Pyramids, target: f32) -> Elements {
-        let surfaces = Surfaces::new(self.scene, pyramids);
-        Elements::new(self.scene, &surfaces, target, self.settings.max_reflectance)
+    fn first_layout(&self) -> Layout {
+        if self.settings.adapt {
+            Layout::first_look(self.scene, self.settings)
+        } else {
+            Layout::even(self.scene, self.settings)
+        }
+    }
+
+    pub(super) fn elements(&self, surfaces: &Surfaces, layout: &Layout) -> Elements {
+        let brightest = self.settings.max_reflectance;
+        Elements::new(self.scene, surfaces, layout, brightest)
     }
 
     fn receivers(&self, old: &Stages, change: &Change) -> Result<Arc<ReceiverMeshes>, BakeError> {
@@ -230,6 +250,7 @@ impl Run<'_> {
         view: &View,
         traced: &Traced,
         solution: &Solution,
+        first: Option<&FirstLook>,
     ) -> Result<SamplingError, BakeError> {
         if let Some((old, _)) = self.before()
             && self.work.rays() == 0
@@ -242,12 +263,23 @@ impl Run<'_> {
                 sampler: &Sampler::new(view),
                 traced,
                 solution,
+                first,
             };
-            let (error, rays) = judge.run(run.observer)?;
+            let (mut error, rays) = judge.run(run.observer)?;
             run.work.error_rays += rays;
+            // Elements are as fine as they were, if others.
+            error.cells = run.before().map_or(error.cells, |(old, _)| old.error.cells);
             Ok(error)
         })
     }
+}
+
+/// For each new object, the old one that had the same triangles at whatever place.
+fn same_triangles(old: &ValidScene, new: &ValidScene) -> Vec<Option<usize>> {
+    let before = matches(&object_identities(old), &object_identities(new));
+    (new.objects.iter().zip(before))
+        .map(|(o, p)| p.filter(|&p| old.objects[p].triangles == o.triangles))
+        .collect()
 }
 
 /// Whether lights and sky are as bright as they were.

@@ -1,6 +1,7 @@
 //! A bake from end to end, in two halves: the light of elements, and that of vertices.
 
 mod elements;
+mod first_look;
 mod passes;
 mod vertices;
 
@@ -24,6 +25,7 @@ use super::findings::{Findings, VertexFindings};
 use super::form_factor::{Traced, View};
 use super::gather::{Aids, Gather};
 use super::gathered::Shining;
+use super::layout::Layout;
 use super::observer::{Observer, Stage};
 use super::occlusion::{Hierarchy, Occluders};
 use super::parallel::Cancelled;
@@ -61,8 +63,7 @@ struct Solved {
     arrived: Arc<Vec<Vec3>>,
     solution: Arc<Solution>,
     error: SamplingError,
-    /// Area of an element, in squared internal units.
-    target: f32,
+    layout: Arc<Layout>,
 }
 
 /// Passes a scene through all stages, each of which takes from `start` what is still true.
@@ -122,7 +123,7 @@ pub(crate) fn run(
     let bake = bake(&run, &pass);
     let stages = Stages {
         plan: Plan {
-            target: solved.target,
+            layout: solved.layout,
             density: pass.density,
             emitters: solved.emitters,
             bright,
@@ -207,13 +208,16 @@ impl<'a> Run<'a> {
 
     /// The first half: from the scene to the light of its elements.
     fn solved(&mut self) -> Result<Solved, BakeError> {
-        let (pyramids, elements, given, target) = self.mesh()?;
+        let (pyramids, elements, given, layout) = self.mesh()?;
         let surfaces = Surfaces::new(self.scene, &pyramids);
         let (hierarchy, emitters) = self.occlusion(&surfaces, &elements)?;
+        let occluders = Occluders::new(&hierarchy, &surfaces);
+        let (elements, layout, first) =
+            self.first_look(elements, layout, (&surfaces, occluders), &emitters)?;
         let sampled = Emitters::at_elements(&emitters, self.settings);
         let view = View {
             scene: self.scene,
-            occluders: Occluders::new(&hierarchy, &surfaces),
+            occluders,
             elements: &elements,
             emitters: sampled,
             marks: &sampled.marks(&elements),
@@ -223,7 +227,7 @@ impl<'a> Run<'a> {
         let traced = self.form_factors(&view)?;
         let (direct, arrived) = self.direct(&view, &traced)?;
         let solution = self.solve(&elements, &traced, &arrived, &given)?;
-        let error = self.error(&view, &traced, &solution)?;
+        let error = self.error(&view, &traced, &solution, first.as_ref())?;
         Ok(Solved {
             pyramids,
             elements,
@@ -235,7 +239,7 @@ impl<'a> Run<'a> {
             arrived,
             solution,
             error,
-            target,
+            layout,
         })
     }
 

@@ -119,7 +119,26 @@ impl Run<'_> {
                 pass => pass?,
             };
             let total = self.total(&pass, solved);
-            if std::env::var("DBG").is_ok() { eprintln!("pass: {effort:?} vertices {}/{} refine {:.4} full {} control {:.4} {:.4} sampling {:.4} {:?} samples {} {} stages {:?}", pass.receivers.coarse.vertex_count(), pass.receivers.fine.vertex_count(), pass.refinement.error, pass.refinement.full, pass.control.unwrap_or_default().error, pass.control.unwrap_or_default().bound,  pass.fitted.smoothing.sampling_error, pass.fitted.smoothing.by_kind, pass.samples.smooth.iter().map(|s| s.taken).sum::<u32>(), pass.samples.sharp.iter().map(|s| s.taken).sum::<u32>(), self.stages.iter().skip(7).map(|s| (s.0, s.1.as_millis())).collect::<Vec<_>>()); }
+            if std::env::var("DBG").is_ok() {
+                eprintln!(
+                    "pass: {effort:?} vertices {}/{} refine {:.4} full {} control {:.4} {:.4} sampling {:.4} {:?} samples {} {} stages {:?}",
+                    pass.receivers.coarse.vertex_count(),
+                    pass.receivers.fine.vertex_count(),
+                    pass.refinement.error,
+                    pass.refinement.full,
+                    pass.control.unwrap_or_default().error,
+                    pass.control.unwrap_or_default().bound,
+                    pass.fitted.smoothing.sampling_error,
+                    pass.fitted.smoothing.by_kind,
+                    pass.samples.smooth.iter().map(|s| s.taken).sum::<u32>(),
+                    pass.samples.sharp.iter().map(|s| s.taken).sum::<u32>(),
+                    self.stages
+                        .iter()
+                        .skip(7)
+                        .map(|s| (s.0, s.1.as_millis()))
+                        .collect::<Vec<_>>()
+                );
+            }
             if total <= aim {
                 return Ok(pass.stopped(Stopped::Error));
             }
@@ -200,7 +219,9 @@ impl Run<'_> {
         let [sharp, smooth] = pass.fitted.smoothing.by_kind.map(f64::from);
         let sampling = sharp.hypot(smooth);
         let control = pass.control.unwrap_or_default().bound;
-        let mesh = (control * control - sampling * sampling).max(0.01 * aim * aim).sqrt();
+        let mesh = (control * control - sampling * sampling)
+            .max(0.01 * aim * aim)
+            .sqrt();
         let times = |error: f64, aim: f64, power: f64| {
             ((error / aim).powf(power)).clamp(1.0 / MORE_SAMPLES, MORE_SAMPLES) as f32
         };

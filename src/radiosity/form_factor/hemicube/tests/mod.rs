@@ -10,6 +10,7 @@ use crate::radiosity::bvh::BvhQuality;
 use crate::radiosity::element::Elements;
 use crate::radiosity::emitter::Emitters;
 use crate::radiosity::emitter_tree::EmitterTree;
+use crate::radiosity::layout::Layout;
 use crate::radiosity::occlusion::{Hierarchy, Holds, Occluders};
 use crate::radiosity::scene::{Material, Object, Scene};
 use crate::radiosity::settings::BakeSettings;
@@ -22,8 +23,8 @@ fn look<T>(scene: &Scene, settings: &BakeSettings, at: impl FnOnce(View) -> T) -
     let scene = scene.validate().expect("the scene is sound");
     let pyramids = Pyramids::new(&scene, None);
     let surfaces = Surfaces::new(&scene, &pyramids);
-    let target = Elements::target(&scene, settings.elements);
-    let elements = Elements::new(&scene, &surfaces, target, settings.max_reflectance);
+    let layout = Layout::even(&scene, settings);
+    let elements = Elements::new(&scene, &surfaces, &layout, settings.max_reflectance);
     let hierarchy = Hierarchy::new(&scene, &surfaces, Holds::Casting, BvhQuality::Best);
     let occluders = Occluders::new(&hierarchy, &surfaces);
     let tree =

@@ -1,0 +1,69 @@
+use glam::{Vec3, Vec3A};
+
+use super::color::luminance;
+use super::element::Elements;
+use super::form_factor::View;
+use super::observer::{Observer, Stage};
+use super::parallel::{Cancelled, map_ranges};
+use super::sampling::hash;
+
+/// Elements that look at both solutions, and rays from each.
+const RECEIVERS: usize = 512;
+const RAYS: u32 = 64;
+
+/// Receivers a thread takes at a time.
+const CHUNK: usize = 8;
+
+/// What leaves elements of one size.
+#[derive(Clone, Copy)]
+pub(crate) struct Sent<'a> {
+    pub(crate) elements: &'a Elements,
+    pub(crate) light: &'a [Vec3A],
+}
+
+impl Sent<'_> {
+    fn at(&self, hit: &super::occlusion::Hit) -> Vec3A {
+        (self.elements.at(hit)).map_or(Vec3A::ZERO, |e| self.light[e.0 as usize])
+    }
+}
+
+/// How far the light that two solutions send to the same places is apart: RMS, not relative to
+/// anything, and the rays it took.
+///
+/// Each ray knows the triangle and the place on it that it hit, and finds there an element of either
+/// solution. What elements of constant light leave out goes with their size `h`: of two solutions the
+/// finer one is off by no more than they are apart, if its elements are half as large.
+///
+/// ```text
+///   e(h) ≈ c h     ┌──────────────────────────────┐
+///                  │  e(h/2) ≈ |L(h) − L(h/2)|    │
+///                  └──────────────────────────────┘
+/// ```
+pub(crate) fn apart(
+    view: &View,
+    fine: Sent,
+    coarse: Sent,
+    observer: &dyn Observer,
+) -> Result<(f64, u64), Cancelled> {
+    let count = view.elements.len();
+    let receivers = RECEIVERS.min(count);
+    let parts = map_ranges(receivers, CHUNK, Stage::Error, observer, |range| {
+        let (mut squares, mut area) = (0.0, 0.0);
+        for i in range {
+            let (first, next) = (i * count / receivers, (i + 1) * count / receivers);
+            let e = first + hash(i as u32, view.settings.seed) as usize % (next - first);
+            let mut sum = Vec3A::ZERO;
+            for hit in (0..RAYS).filter_map(|ray| view.hit(e, ray)) {
+                sum += fine.at(&hit) - coarse.at(&hit);
+            }
+            let d = f64::from(luminance(Vec3::from(sum))) / f64::from(RAYS);
+            let weight = f64::from(view.elements.area[e]) * (next - first) as f64;
+            squares += weight * d * d;
+            area += weight;
+        }
+        (squares, area)
+    })?;
+    let (squares, area) = parts.iter().fold((0.0, 0.0), |a, p| (a.0 + p.0, a.1 + p.1));
+    let rays = receivers as u64 * u64::from(RAYS);
+    Ok(((squares / f64::max(area, f64::MIN_POSITIVE)).sqrt(), rays))
+}
