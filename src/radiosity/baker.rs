@@ -159,7 +159,11 @@ impl Kept {
             max_memory: settings.max_memory,
             ..self.settings.clone()
         };
-        let area = self.stages.plan.layout.outgrown(scene, settings);
+        let taken = BakeSettings {
+            elements: self.stages.plan.elements,
+            ..settings.clone()
+        };
+        let area = self.stages.plan.layout.outgrown(scene, &taken);
         solver == *settings
             && scene.frame() == self.scene.frame()
             && (1.0 / OUTDATED..OUTDATED).contains(&area)

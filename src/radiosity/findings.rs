@@ -278,7 +278,9 @@ impl VertexFindings<'_> {
                 .iter()
                 .filter(|&&u| self.pass.fitted.dark[u as usize])
                 .count();
-            if dark > 0 {
+            // What was cut off where others stand on it is meant to be inside them.
+            let is_cut = scene.cuts.get(o).is_some_and(Option::is_some);
+            if dark > 0 && !is_cut {
                 notes.push(format!(
                     "object \"{}\": {dark} vertices belong to pieces of mesh wholly inside other geometry and stay black",
                     object.name

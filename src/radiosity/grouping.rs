@@ -153,14 +153,15 @@ struct Neighbours {
 
 impl Neighbours {
     fn new(scene: &ValidScene) -> Self {
-        let mut edges: HashMap<(u32, [u32; 6]), u32> =
+        let mut edges: HashMap<(u32, [End; 2]), u32> =
             HashMap::with_capacity(scene.triangles.len() * 2);
         let mut list = vec![[0; 3]; scene.triangles.len()];
         let mut count = vec![0_u8; scene.triangles.len()];
         for (t, &key) in scene.triangles.iter().enumerate() {
-            let corners = scene.corners(key);
+            let (corners, sides) = (scene.corners(key), scene.sides(key));
             for k in 0..3 {
-                let edge = (key.object, edge_key(corners[k], corners[(k + 1) % 3]));
+                let ends = [k, (k + 1) % 3];
+                let edge = (key.object, edge_key(ends.map(|k| (corners[k], sides[k]))));
                 // A third triangle on an edge takes the place of the pair: no more neighbours.
                 let Some(other) = edges.remove(&edge) else {
                     edges.insert(edge, t as u32);
@@ -183,9 +184,11 @@ impl Neighbours {
     }
 }
 
-fn edge_key(a: Vec3, b: Vec3) -> [u32; 6] {
-    let bits = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
-    let (a, b) = (bits(a), bits(b));
-    let ([x0, y0, z0], [x1, y1, z1]) = if a < b { (a, b) } else { (b, a) };
-    [x0, y0, z0, x1, y1, z1]
+/// Position, and the side of a line of contact: light on one side is not that on the other.
+type End = ([u32; 3], u32);
+
+fn edge_key(ends: [(Vec3, u32); 2]) -> [End; 2] {
+    let mut ends = ends.map(|(p, side)| ((p + Vec3::ZERO).to_array().map(f32::to_bits), side));
+    ends.sort_unstable();
+    ends
 }

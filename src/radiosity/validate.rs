@@ -163,6 +163,16 @@ impl ValidScene {
         object.triangles[key.triangle as usize].map(|v| object.positions[v as usize])
     }
 
+    /// Which side of a line of contact the corners of a live triangle are on.
+    pub(crate) fn sides(&self, key: TriangleKey) -> [u32; 3] {
+        let object = key.object as usize;
+        let cut = self.cuts.get(object).and_then(Option::as_ref);
+        cut.map_or([0; 3], |cut| {
+            let corners = self.objects[object].triangles[key.triangle as usize];
+            corners.map(|v| cut.mesh.sides[v as usize])
+        })
+    }
+
     /// For each triangle of each object its live index, or [`NO_TRIANGLE`].
     pub(crate) fn live_indices(&self) -> Vec<Vec<u32>> {
         let none = |o: &Object| vec![NO_TRIANGLE; o.triangles.len()];

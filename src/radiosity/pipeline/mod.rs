@@ -21,6 +21,7 @@ use super::element::Elements;
 use super::element_light::ElementLight;
 use super::emitter::Emitters;
 use super::emitter_tree::EmitterTree;
+use super::estimate::estimate_counts;
 use super::findings::{Findings, VertexFindings};
 use super::form_factor::{Traced, View};
 use super::gather::{Aids, Gather};
@@ -45,9 +46,23 @@ struct Run<'a> {
     start: Start<'a>,
     change: Option<Change>,
     observer: &'a dyn Observer,
+    spent: Spent,
+}
+
+/// What a bake took so far.
+#[derive(Default)]
+struct Spent {
     stages: Vec<(Stage, Duration)>,
     work: Work,
 }
+
+/// Share of the error asked for that elements may leave at vertices.
+const ELEMENTS: f64 = 0.7;
+
+/// Elements are so many times those of the settings at most, if the error asked for wants it, and not
+/// a few more only.
+const MORE_ELEMENTS: u32 = 4;
+const WORTH: f64 = 1.3;
 
 /// The light of elements, and all it was found with.
 struct Solved {
@@ -80,74 +95,23 @@ pub(crate) fn run(
     let cuts = contacts(scene, settings, &start, observer)?;
     let cut_scene = cut::apply(scene, &cuts).map(Arc::new);
     let scene = cut_scene.as_deref().unwrap_or(scene);
-    let mut run = Run::new(scene, settings, start.in_cut_scene(), &deadline);
-    run.stages
-        .extend(settings.refine.then(|| (Stage::Contacts, begun.elapsed())));
-
-    let solved = run.solved()?;
-    let surfaces = Surfaces::new(scene, &solved.pyramids);
-    let elements = &*solved.elements;
-    let lit_from_behind = run.lit_from_behind(elements, &solved.solution);
-    let bright = run.bright(elements, &solved.solution);
-    let mut gather = Gather {
-        scene,
-        occluders: Occluders::new(&solved.hierarchy, &surfaces),
-        elements,
-        emitters: Emitters::at_samples(&solved.emitters, settings),
-        reflectors: Emitters::bright_at_samples(&bright, settings),
-        marks: [
-            &Emitters::at_samples(&solved.emitters, settings).marks(elements),
-            &Emitters::bright_at_samples(&bright, settings).marks(elements),
-        ],
-        lit_from_behind: &lit_from_behind,
-        settings,
-        density: [0.0; 2],
-        remember: start.remember,
-        aids: Aids::new(scene),
-    };
-    let shining = Shining::new(
-        elements,
-        &solved.solution.reflected,
-        (&scene.lights, scene.sky),
-        settings.gather_rays,
-    );
-    let bake = |run: &Run, pass: &Pass| Bake {
-        objects: pass.receivers.fine.object_light(&pass.fitted.light),
-        report: run.findings(&solved).report(Some(&VertexFindings {
-            pass,
-            lit_from_behind: &lit_from_behind,
-        })),
-    };
-    let show = |run: &Run, pass: &Pass| observer.so_far(&bake(run, pass));
-    let pass = run.passes(&mut gather, &shining, &solved, &deadline, &show)?;
-    let bake = bake(&run, &pass);
-    let stages = Stages {
-        plan: Plan {
-            layout: solved.layout,
-            density: pass.density,
-            emitters: solved.emitters,
-            bright,
-            lit_from_behind,
-            cuts,
-            refinement: pass.refinement,
-            control: pass.control,
-            stopped: pass.stopped,
-            smoothing: pass.fitted.smoothing,
-        },
-        pyramids: solved.pyramids,
-        elements: solved.elements,
-        given: solved.given,
-        receivers: pass.receivers,
-        hierarchy: solved.hierarchy,
-        traced: solved.traced,
-        direct: solved.direct,
-        arrived: solved.arrived,
-        solution: solved.solution,
-        error: solved.error,
-        gathered: Arc::new(pass.gathered),
-        cut_scene,
-    };
-    Ok((bake, stages))
+    let mut used = settings.clone();
+    let mut spent = Spent::default();
+    if settings.refine {
+        spent.stages.push((Stage::Contacts, begun.elapsed()));
+    }
+    loop {
+        let mut run = Run::new(scene, &used, start.in_cut_scene(), &deadline);
+        run.spent = spent;
+        let solved = run.solved()?;
+        match run.more_elements(&solved, settings, &deadline) {
+            None => return run.lit(solved, (cuts, cut_scene.clone()), &deadline),
+            Some(more) => {
+                spent = run.spent;
+                used.elements = more;
+            }
+        }
+    }
 }
 
 /// How surfaces are cut where they touch or cross, if vertices are placed by the light at all.
@@ -201,9 +165,115 @@ impl<'a> Run<'a> {
             start,
             change: None,
             observer,
-            stages: Vec::new(),
-            work: Work::default(),
+            spent: Spent::default(),
         }
+    }
+
+    /// The second half: from the light of elements to that of vertices.
+    fn lit(
+        mut self,
+        solved: Solved,
+        (cuts, cut_scene): (Cuts, Option<Arc<ValidScene>>),
+        deadline: &Deadline,
+    ) -> Result<(Bake, Stages), BakeError> {
+        let surfaces = Surfaces::new(self.scene, &solved.pyramids);
+        let elements = &*solved.elements;
+        let lit_from_behind = self.lit_from_behind(elements, &solved.solution);
+        let bright = self.bright(elements, &solved.solution);
+        let mut gather = Gather {
+            scene: self.scene,
+            occluders: Occluders::new(&solved.hierarchy, &surfaces),
+            elements,
+            emitters: Emitters::at_samples(&solved.emitters, self.settings),
+            reflectors: Emitters::bright_at_samples(&bright, self.settings),
+            marks: [
+                &Emitters::at_samples(&solved.emitters, self.settings).marks(elements),
+                &Emitters::bright_at_samples(&bright, self.settings).marks(elements),
+            ],
+            lit_from_behind: &lit_from_behind,
+            settings: self.settings,
+            density: [0.0; 2],
+            remember: self.start.remember,
+            aids: Aids::new(self.scene),
+        };
+        let shining = Shining::new(
+            elements,
+            &solved.solution.reflected,
+            (&self.scene.lights, self.scene.sky),
+            self.settings.gather_rays,
+        );
+        let bake = |run: &Run, pass: &Pass| Bake {
+            objects: pass.receivers.fine.object_light(&pass.fitted.light),
+            report: run.findings(&solved).report(Some(&VertexFindings {
+                pass,
+                lit_from_behind: &lit_from_behind,
+            })),
+        };
+        let show = |run: &Run, pass: &Pass| run.observer.so_far(&bake(run, pass));
+        let pass = self.passes(&mut gather, &shining, &solved, deadline, &show)?;
+        let bake = bake(&self, &pass);
+        let stages = Stages {
+            plan: Plan {
+                layout: solved.layout,
+                density: pass.density,
+                emitters: solved.emitters,
+                bright,
+                lit_from_behind,
+                elements: self.settings.elements,
+                cuts,
+                refinement: pass.refinement,
+                control: pass.control,
+                stopped: pass.stopped,
+                smoothing: pass.fitted.smoothing,
+            },
+            pyramids: solved.pyramids,
+            elements: solved.elements,
+            given: solved.given,
+            receivers: pass.receivers,
+            hierarchy: solved.hierarchy,
+            traced: solved.traced,
+            direct: solved.direct,
+            arrived: solved.arrived,
+            solution: solved.solution,
+            error: solved.error,
+            gathered: Arc::new(pass.gathered),
+            cut_scene,
+        };
+        Ok((bake, stages))
+    }
+
+    /// How many elements a bake to a certain error should rather have had.
+    fn more_elements(
+        &self,
+        solved: &Solved,
+        asked: &BakeSettings,
+        deadline: &Deadline,
+    ) -> Option<u32> {
+        let decided = self.start.before.is_some() || self.start.plan.is_some();
+        if decided
+            || !self.settings.refine
+            || deadline.for_meshes().is_some_and(|t| t < Instant::now())
+        {
+            return None;
+        }
+        let aim = ELEMENTS * f64::from(asked.error);
+        let (now, most) = (
+            self.settings.elements,
+            asked.elements.saturating_mul(MORE_ELEMENTS),
+        );
+        // What elements leave out and what their rays leave to chance both go down with the square
+        // root of their number.
+        let times = (solved.error.left() / aim).powi(2);
+        let more = ((f64::from(now) * times) as u32).min(most.min(4_000_000));
+        let needed = |elements| {
+            let settings = BakeSettings {
+                elements,
+                ..self.settings.clone()
+            };
+            estimate_counts(self.scene, &settings).bytes
+        };
+        (f64::from(more) > WORTH * f64::from(now) && needed(more) <= asked.max_memory)
+            .then_some(more)
     }
 
     /// The first half: from the scene to the light of its elements.
@@ -253,8 +323,8 @@ impl<'a> Run<'a> {
             arrived: &solved.arrived,
             solution: &solved.solution,
             error: solved.error,
-            stages: &self.stages,
-            work: self.work,
+            stages: &self.spent.stages,
+            work: self.spent.work,
             occluder_bytes: solved.hierarchy.bytes(),
         }
     }
@@ -272,9 +342,9 @@ impl<'a> Run<'a> {
         let since = Instant::now();
         let made = work(self)?;
         let spent = since.elapsed();
-        match self.stages.iter_mut().find(|s| s.0 == stage) {
+        match self.spent.stages.iter_mut().find(|s| s.0 == stage) {
             Some(known) => known.1 += spent,
-            None => self.stages.push((stage, spent)),
+            None => self.spent.stages.push((stage, spent)),
         }
         self.observer.progress(stage, 1.0);
         if self.observer.cancelled() {

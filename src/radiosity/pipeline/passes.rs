@@ -50,7 +50,7 @@ const SAMPLES: f64 = 0.5;
 /// Share of the aim that the noise of rays may have, and of the mesh's error that that of light with
 /// sharp edges may.
 const SMOOTH_SAMPLES: f64 = 0.35;
-const SHARP_SAMPLES: f64 = 0.45;
+const SHARP_SAMPLES: f64 = 0.35;
 
 /// Samples are spread so evenly that their error falls faster than by chance: as their number to the
 /// power of −0.7.
@@ -66,6 +66,9 @@ const FEW_VERTICES: usize = 1024;
 
 /// A pass is of use if it leaves this share of the error of the one before, or less.
 const USEFUL: f64 = 0.95;
+
+/// Passes aim at this share of what is asked at least, whatever elements leave of it.
+const LEAST_AIM: f64 = 0.5;
 
 /// Passes at most.
 const PASSES: usize = 8;
@@ -93,7 +96,11 @@ impl Run<'_> {
             });
         }
         let (most, by_memory) = self.most_vertices(solved);
-        let aim = f64::from(self.settings.error);
+        let asked = f64::from(self.settings.error);
+        // What elements leave is not for passes to mend.
+        let aim = (asked.powi(2) - solved.error.left().powi(2))
+            .sqrt()
+            .max(LEAST_AIM * asked);
         let mut effort = Effort {
             mesh: aim * FIRST_MESH,
             samples: [FIRST_SAMPLES; 2],
@@ -101,15 +108,14 @@ impl Run<'_> {
         let mut best: Option<Pass> = None;
         for left in (0..PASSES).rev() {
             let before = best.as_ref().map_or(0, |b| b.receivers.fine.vertex_count());
-            let asked = Asked {
+            let goal = Asked {
                 error: effort.mesh,
                 max_vertices: most.min(MORE_VERTICES * before.max(FEW_VERTICES)),
             };
-            let good =
-                |b: &&Pass| b.refinement.error <= effort.mesh || before >= asked.max_vertices;
+            let good = |b: &&Pass| b.refinement.error <= effort.mesh || before >= goal.max_vertices;
             let kept = best.as_ref().filter(good);
             let meshes = kept.map(|b| (b.receivers.clone(), b.refinement.clone()));
-            let next = self.aimed_pass(gather, shining, solved, (&asked, meshes), effort, deadline);
+            let next = self.aimed_pass(gather, shining, solved, (&goal, meshes), effort, deadline);
             let pass = match next {
                 Err(BakeError::Cancelled) if deadline.is_over() => {
                     return best
@@ -118,32 +124,14 @@ impl Run<'_> {
                 }
                 pass => pass?,
             };
-            let total = self.total(&pass, solved);
-            if std::env::var("DBG").is_ok() {
-                eprintln!(
-                    "pass: {effort:?} vertices {}/{} refine {:.4} full {} control {:.4} {:.4} sampling {:.4} {:?} samples {} {} stages {:?}",
-                    pass.receivers.coarse.vertex_count(),
-                    pass.receivers.fine.vertex_count(),
-                    pass.refinement.error,
-                    pass.refinement.full,
-                    pass.control.unwrap_or_default().error,
-                    pass.control.unwrap_or_default().bound,
-                    pass.fitted.smoothing.sampling_error,
-                    pass.fitted.smoothing.by_kind,
-                    pass.samples.smooth.iter().map(|s| s.taken).sum::<u32>(),
-                    pass.samples.sharp.iter().map(|s| s.taken).sum::<u32>(),
-                    self.stages
-                        .iter()
-                        .skip(7)
-                        .map(|s| (s.0, s.1.as_millis()))
-                        .collect::<Vec<_>>()
-                );
-            }
+            let total = pass.control.unwrap_or_default().bound;
             if total <= aim {
-                return Ok(pass.stopped(Stopped::Error));
+                let met = total.hypot(solved.error.left()) <= asked;
+                return Ok(pass.stopped(if met { Stopped::Error } else { Stopped::Limit }));
             }
-            let full = pass.refinement.full && asked.max_vertices == most;
-            let useless = (best.as_ref()).is_some_and(|b| total > USEFUL * self.total(b, solved));
+            let full = pass.refinement.full && goal.max_vertices == most;
+            let useless = (best.as_ref())
+                .is_some_and(|b| total > USEFUL * b.control.unwrap_or_default().bound);
             let next = self.next(&pass, effort, aim, full);
             let Some(next) = next.filter(|_| left > 0 && !(useless && !full)) else {
                 return Ok(pass.stopped(match (full, by_memory) {
@@ -200,13 +188,6 @@ impl Run<'_> {
             control: None,
             stopped: Stopped::AsGiven,
         })
-    }
-
-    /// All of the error, as far as it is known.
-    fn total(&self, pass: &Pass, solved: &Solved) -> f64 {
-        let control = pass.control.unwrap_or_default().bound;
-        let elements = f64::from(solved.error.vertices);
-        control.hypot(elements)
     }
 
     /// Where the next pass does more, or less; `None` if nothing would help.
@@ -291,7 +272,7 @@ impl<'a> Deadline<'a> {
             && !self.observer.cancelled()
     }
 
-    fn for_meshes(&self) -> Option<Instant> {
+    pub(super) fn for_meshes(&self) -> Option<Instant> {
         Some(self.begun + self.limit?.mul_f64(FOR_MESHES))
     }
 }
