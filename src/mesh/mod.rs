@@ -44,7 +44,7 @@ mod test_meshes;
 mod weld;
 
 pub use conforming::{Bisected, Bisection, Conforming, Origin, Part, Refined};
-pub use contact::{CutMesh, Surface, split_at_contacts};
+pub use contact::{ContactCuts, CutMesh, Surface, split_at_contacts};
 pub use flat::split_flat_corners;
 pub use refined::{RefinedMesh, SurfacePoint};
 pub use split::{SplitError, split_long_edges};

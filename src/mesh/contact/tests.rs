@@ -1,0 +1,184 @@
+use std::collections::HashMap;
+
+use glam::{DVec3, Quat, Vec3};
+use proptest::prelude::*;
+
+use super::{ContactCuts, CutMesh, Surface, split_at_contacts};
+use crate::mesh::test_meshes::{Mesh, cube, grid, random, soup, unshared};
+
+const TOLERANCE: f32 = 0.005;
+
+fn surface(mesh: &Mesh) -> Surface<'_> {
+    Surface {
+        positions: &mesh.0,
+        triangles: &mesh.1,
+        cut: true,
+        cuts: true,
+    }
+}
+
+fn split(meshes: &[&Mesh]) -> Vec<Option<CutMesh>> {
+    let surfaces: Vec<Surface> = meshes.iter().map(|mesh| surface(mesh)).collect();
+    let cuts = split_at_contacts(&surfaces, TOLERANCE, &|| true).expect("nobody says no");
+    for (mesh, cut) in meshes.iter().zip(&cuts.meshes) {
+        if let Some(cut) = cut {
+            check(mesh, cut);
+        }
+    }
+    cuts.meshes
+}
+
+/// A quad of two triangles from `corner` along `u` and `v`.
+fn quad(corner: [f32; 3], u: [f32; 3], v: [f32; 3]) -> Mesh {
+    let [corner, u, v] = [corner, u, v].map(Vec3::from);
+    let positions = vec![corner, corner + u, corner + u + v, corner + v];
+    (positions, vec![[0, 1, 2], [0, 2, 3]])
+}
+
+fn floor() -> Mesh {
+    quad([-2.0, -2.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0])
+}
+
+fn moved(mesh: &Mesh, map: impl Fn(Vec3) -> Vec3) -> Mesh {
+    (mesh.0.iter().map(|&p| map(p)).collect(), mesh.1.clone())
+}
+
+fn joined(meshes: &[&Mesh]) -> Mesh {
+    let mut all = Mesh::default();
+    for (positions, triangles) in meshes {
+        let first = all.0.len() as u32;
+        all.0.extend(positions);
+        all.1.extend(triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    all
+}
+
+fn bits(p: Vec3) -> [u32; 3] {
+    (p + Vec3::ZERO).to_array().map(f32::to_bits)
+}
+
+fn positions(mesh: &Mesh, cut: &CutMesh) -> Vec<Vec3> {
+    cut.mesh.positions(&mesh.0, &mesh.1)
+}
+
+fn normal([a, b, c]: [Vec3; 3]) -> DVec3 {
+    let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+    0.5 * (b - a).cross(c - a)
+}
+
+/// What holds for every cut mesh: the surface is what it was.
+fn check(mesh: &Mesh, cut: &CutMesh) {
+    let at = positions(mesh, cut);
+    let refined = &cut.mesh;
+    assert_eq!(cut.sides.len(), refined.vertices.len());
+    assert_eq!(refined.sources.len(), refined.triangles.len());
+    for point in &refined.vertices {
+        let weights = point.barycentrics;
+        assert!(weights.min_element() >= 0.0 && weights.max_element() <= 1.0);
+        assert_eq!(weights.element_sum(), 1.0);
+    }
+    let mut parts = vec![DVec3::ZERO; mesh.1.len()];
+    for (corners, &source) in refined.triangles.iter().zip(&refined.sources) {
+        parts[source as usize] += normal(corners.map(|v| at[v as usize]));
+        for vertex in corners {
+            let point = refined.vertices[*vertex as usize];
+            assert!(point.barycentrics_on(source, &mesh.1).is_some());
+        }
+    }
+    for (corners, part) in mesh.1.iter().zip(parts) {
+        let corners = corners.map(|v| mesh.0[v as usize]);
+        let whole = normal(corners);
+        let extent = corners[0]
+            .distance(corners[1])
+            .max(corners[0].distance(corners[2]));
+        let error = 1e-6 * (f64::from(extent) * f64::from(extent) + whole.length());
+        assert!(part.distance(whole) <= error, "{part} of {whole}");
+    }
+    let before = boundary(&mesh.0, &mesh.1);
+    let after = boundary(&at, &refined.triangles);
+    assert!(
+        after <= before * (1.0 + 1e-5) + 1e-5,
+        "{after} instead of {before}"
+    );
+}
+
+/// The length of all edges that one triangle only has, edges being told by the bits of their ends.
+fn boundary(at: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
+    let mut uses: HashMap<[[u32; 3]; 2], (u32, f64)> = HashMap::new();
+    for corners in triangles {
+        for k in 0..3 {
+            let [a, b] = [corners[k], corners[(k + 1) % 3]].map(|v| at[v as usize]);
+            let mut ends = [bits(a), bits(b)];
+            ends.sort_unstable();
+            let length = a.as_dvec3().distance(b.as_dvec3());
+            uses.entry(ends).or_insert((0, length)).0 += 1;
+        }
+    }
+    let single = uses.into_values().filter(|&(count, _)| count == 1);
+    let mut lengths: Vec<f64> = single.map(|(_, length)| length).collect();
+    lengths.sort_by(f64::total_cmp);
+    lengths.iter().sum()
+}
+
+/// How many sides there are at `point`; 0 without a vertex there.
+fn sides_at(mesh: &Mesh, cut: &CutMesh, point: [f32; 3]) -> usize {
+    let at = positions(mesh, cut);
+    let mut sides: Vec<u32> = (at.iter().zip(&cut.sides))
+        .filter(|(at, _)| at.distance(Vec3::from(point)) < 1e-4)
+        .map(|(_, &side)| side)
+        .collect();
+    sides.sort_unstable();
+    sides.dedup();
+    sides.len()
+}
+
+/// Whether edges of triangles run along the whole line.
+fn has_line(mesh: &Mesh, cut: &CutMesh, ends: [[f32; 3]; 2]) -> bool {
+    let [a, b] = ends.map(Vec3::from);
+    let at = positions(mesh, cut);
+    let along = (b - a).normalize();
+    let mut covered = 0.0;
+    let mut seen = std::collections::HashSet::new();
+    for corners in &cut.mesh.triangles {
+        for k in 0..3 {
+            let [p, q] = [corners[k], corners[(k + 1) % 3]].map(|v| at[v as usize]);
+            let is_on = |p: Vec3| {
+                let t = (p - a).dot(along);
+                t > -1e-4 && t < a.distance(b) + 1e-4 && (p - a).distance(along * t) < 1e-4
+            };
+            let mut key = [bits(p), bits(q)];
+            key.sort_unstable();
+            if is_on(p) && is_on(q) && seen.insert(key) {
+                covered += p.distance(q);
+            }
+        }
+    }
+    (covered - a.distance(b)).abs() < 1e-3
+}
+
+#[test]
+fn a_box_stands_on_a_floor() {
+    let (floor, block) = (floor(), cube());
+    for lift in [0.0, 0.001] {
+        let block = moved(&block, |p| p + Vec3::new(-0.3, -0.4, lift));
+        let cuts = split(&[&floor, &block]);
+        let cut = cuts[0].as_ref().expect("the floor is cut");
+        let corners = [
+            [-0.3, -0.4, 0.0],
+            [0.7, -0.4, 0.0],
+            [0.7, 0.6, 0.0],
+            [-0.3, 0.6, 0.0],
+        ];
+        for k in 0..4 {
+            assert!(has_line(&floor, cut, [corners[k], corners[(k + 1) % 4]]));
+            assert_eq!(sides_at(&floor, cut, corners[k]), 2, "{k} at {lift}");
+        }
+        let on_line = positions(&floor, cut)
+            .into_iter()
+            .zip(&cut.sides)
+            .filter(|(p, _)| p.abs().max_element() < 1.0);
+        assert!(on_line.count() >= 8);
+        assert_eq!(sides_at(&floor, cut, [-2.0, -2.0, 0.0]), 1);
+        assert!(cuts[1].is_none());
+    }
+}
