@@ -159,11 +159,7 @@ impl Kept {
             max_memory: settings.max_memory,
             ..self.settings.clone()
         };
-        let taken = BakeSettings {
-            elements: self.stages.plan.elements,
-            ..settings.clone()
-        };
-        let area = self.stages.plan.layout.outgrown(scene, &taken);
+        let area = self.stages.plan.layout.outgrown(scene, settings);
         solver == *settings
             && scene.frame() == self.scene.frame()
             && (1.0 / OUTDATED..OUTDATED).contains(&area)

@@ -11,6 +11,10 @@ use super::sampling::hash;
 const RECEIVERS: usize = 512;
 const RAYS: u32 = 64;
 
+/// The share of the surface that counts: beside a lamp light is so much more than elsewhere that a few
+/// receivers there would be all of the mean.
+const MOST: f64 = 0.98;
+
 /// Receivers a thread takes at a time.
 const CHUNK: usize = 8;
 
@@ -48,7 +52,7 @@ pub(crate) fn apart(
     let count = view.elements.len();
     let receivers = RECEIVERS.min(count);
     let parts = map_ranges(receivers, CHUNK, Stage::Error, observer, |range| {
-        let (mut squares, mut area) = (0.0, 0.0);
+        let mut found = Vec::with_capacity(range.len());
         for i in range {
             let (first, next) = (i * count / receivers, (i + 1) * count / receivers);
             let e = first + hash(i as u32, view.settings.seed) as usize % (next - first);
@@ -58,12 +62,25 @@ pub(crate) fn apart(
             }
             let d = f64::from(luminance(Vec3::from(sum))) / f64::from(RAYS);
             let weight = f64::from(view.elements.area[e]) * (next - first) as f64;
-            squares += weight * d * d;
-            area += weight;
+            found.push((d * d, weight));
         }
-        (squares, area)
+        found
     })?;
-    let (squares, area) = parts.iter().fold((0.0, 0.0), |a, p| (a.0 + p.0, a.1 + p.1));
     let rays = receivers as u64 * u64::from(RAYS);
-    Ok(((squares / f64::max(area, f64::MIN_POSITIVE)).sqrt(), rays))
+    Ok((mean_of_most(parts.concat()).sqrt(), rays))
+}
+
+/// Mean of values with weights, without the largest.
+fn mean_of_most(mut values: Vec<(f64, f64)>) -> f64 {
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let all: f64 = values.iter().map(|v| v.1).sum();
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for (value, own) in values {
+        if weight + own > MOST * all {
+            break;
+        }
+        sum += value * own;
+        weight += own;
+    }
+    sum / f64::max(weight, f64::MIN_POSITIVE)
 }

@@ -45,13 +45,6 @@ pub(crate) struct SamplingError {
     pub(crate) cells: f32,
 }
 
-impl SamplingError {
-    /// What elements leave in the light of vertices, relative RMSE.
-    pub(crate) fn left(&self) -> f64 {
-        f64::from(self.vertices).hypot(f64::from(self.cells))
-    }
-}
-
 /// Elements whose lights and emitters are asked again: one of so many, at least and at most so many.
 /// Direct light is wrong at the edges of shadows, which a few elements would miss.
 const DIRECT: (usize, usize, usize) = (8, 256, 1024);

@@ -49,8 +49,6 @@ pub(crate) struct Stages {
 pub(crate) struct Plan {
     /// How surfaces are cut into elements.
     pub(crate) layout: Arc<Layout>,
-    /// Elements that the bake took for the error asked for, about.
-    pub(crate) elements: u32,
     /// Samples per square root of a triangle's area, of coarse and fine meshes.
     pub(crate) density: [f32; 2],
     /// Emissive triangles to sample.

@@ -121,7 +121,7 @@ impl Run<'_> {
         let tree = self.start.plan.map(|p| p.emitters.clone()).or(tree);
         self.stage(Stage::Occlusion, |run| {
             let hierarchy = hierarchy.unwrap_or_else(|| {
-                run.spent.work.hierarchy_builds += 1;
+                run.work.hierarchy_builds += 1;
                 Hierarchy::new(run.scene, surfaces, Holds::Casting, quality).into()
             });
             let tree = match tree {
@@ -160,7 +160,7 @@ impl Run<'_> {
                 new_emitters: change.new_emitters,
             });
             let (traced, rays) = form_factors(view, before.as_ref(), run.observer)?;
-            run.spent.work.element_rays += rays;
+            run.work.element_rays += rays;
             Ok(traced.into())
         })
     }
@@ -196,8 +196,8 @@ impl Run<'_> {
                 new_emitters: change.new_emitters,
             });
             let (direct, rays) = sampler.run(before.as_ref(), run.observer)?;
-            run.spent.work.light_rays += rays.lights;
-            run.spent.work.emitter_rays += rays.emitters;
+            run.work.light_rays += rays.lights;
+            run.work.emitter_rays += rays.emitters;
             let arrived = arriving(&direct);
             Ok((direct.into(), arrived))
         })
@@ -238,7 +238,7 @@ impl Run<'_> {
                 },
             };
             let solution = solve(&system, run.settings, warm, &watch)?;
-            run.spent.work.sweeps += u64::from(solution.report.sweeps);
+            run.work.sweeps += u64::from(solution.report.sweeps);
             Ok(solution.into())
         })
     }
@@ -253,7 +253,7 @@ impl Run<'_> {
         first: Option<&FirstLook>,
     ) -> Result<SamplingError, BakeError> {
         if let Some((old, _)) = self.before()
-            && self.spent.work.rays() == 0
+            && self.work.rays() == 0
         {
             return Ok(old.error);
         }
@@ -266,7 +266,7 @@ impl Run<'_> {
                 first,
             };
             let (mut error, rays) = judge.run(run.observer)?;
-            run.spent.work.error_rays += rays;
+            run.work.error_rays += rays;
             // Elements are as fine as they were, if others.
             error.cells = run.before().map_or(error.cells, |(old, _)| old.error.cells);
             Ok(error)

@@ -79,9 +79,9 @@ impl Run<'_> {
         let quiet = Quiet(self.observer);
         let (traced, element_rays) = form_factors(view, None, &quiet)?;
         let (direct, rays) = Sampler::new(view).run(None, &quiet)?;
-        self.spent.work.element_rays += element_rays;
-        self.spent.work.light_rays += rays.lights;
-        self.spent.work.emitter_rays += rays.emitters;
+        self.work.element_rays += element_rays;
+        self.work.light_rays += rays.lights;
+        self.work.emitter_rays += rays.emitters;
         let (elements, scene) = (view.elements, self.scene);
         let system = System {
             elements,
@@ -93,7 +93,7 @@ impl Run<'_> {
             show: &|_| (),
         };
         let solution = solve(&system, view.settings, None, &watch)?;
-        self.spent.work.sweeps += u64::from(solution.report.sweeps);
+        self.work.sweeps += u64::from(solution.report.sweeps);
         let loose = loose_emission(elements, view.marks);
         let reflected = solution.reflected.iter();
         let seen = reflected.zip(loose).map(|(&r, e)| r + e).collect();

@@ -21,7 +21,6 @@ use super::element::Elements;
 use super::element_light::ElementLight;
 use super::emitter::Emitters;
 use super::emitter_tree::EmitterTree;
-use super::estimate::estimate_counts;
 use super::findings::{Findings, VertexFindings};
 use super::form_factor::{Traced, View};
 use super::gather::{Aids, Gather};
@@ -46,23 +45,9 @@ struct Run<'a> {
     start: Start<'a>,
     change: Option<Change>,
     observer: &'a dyn Observer,
-    spent: Spent,
-}
-
-/// What a bake took so far.
-#[derive(Default)]
-struct Spent {
     stages: Vec<(Stage, Duration)>,
     work: Work,
 }
-
-/// Share of the error asked for that elements may leave at vertices.
-const ELEMENTS: f64 = 0.7;
-
-/// Elements are so many times those of the settings at most, if the error asked for wants it, and not
-/// a few more only.
-const MORE_ELEMENTS: u32 = 4;
-const WORTH: f64 = 1.3;
 
 /// The light of elements, and all it was found with.
 struct Solved {
@@ -95,23 +80,12 @@ pub(crate) fn run(
     let cuts = contacts(scene, settings, &start, observer)?;
     let cut_scene = cut::apply(scene, &cuts).map(Arc::new);
     let scene = cut_scene.as_deref().unwrap_or(scene);
-    let mut used = settings.clone();
-    let mut spent = Spent::default();
+    let mut run = Run::new(scene, settings, start.in_cut_scene(), &deadline);
     if settings.refine {
-        spent.stages.push((Stage::Contacts, begun.elapsed()));
+        run.stages.push((Stage::Contacts, begun.elapsed()));
     }
-    loop {
-        let mut run = Run::new(scene, &used, start.in_cut_scene(), &deadline);
-        run.spent = spent;
-        let solved = run.solved()?;
-        match run.more_elements(&solved, settings, &deadline) {
-            None => return run.lit(solved, (cuts, cut_scene.clone()), &deadline),
-            Some(more) => {
-                spent = run.spent;
-                used.elements = more;
-            }
-        }
-    }
+    let solved = run.solved()?;
+    run.lit(solved, (cuts, cut_scene.clone()), &deadline)
 }
 
 /// How surfaces are cut where they touch or cross, if vertices are placed by the light at all.
@@ -165,7 +139,8 @@ impl<'a> Run<'a> {
             start,
             change: None,
             observer,
-            spent: Spent::default(),
+            stages: Vec::new(),
+            work: Work::default(),
         }
     }
 
@@ -219,7 +194,6 @@ impl<'a> Run<'a> {
                 emitters: solved.emitters,
                 bright,
                 lit_from_behind,
-                elements: self.settings.elements,
                 cuts,
                 refinement: pass.refinement,
                 control: pass.control,
@@ -240,40 +214,6 @@ impl<'a> Run<'a> {
             cut_scene,
         };
         Ok((bake, stages))
-    }
-
-    /// How many elements a bake to a certain error should rather have had.
-    fn more_elements(
-        &self,
-        solved: &Solved,
-        asked: &BakeSettings,
-        deadline: &Deadline,
-    ) -> Option<u32> {
-        let decided = self.start.before.is_some() || self.start.plan.is_some();
-        if decided
-            || !self.settings.refine
-            || deadline.for_meshes().is_some_and(|t| t < Instant::now())
-        {
-            return None;
-        }
-        let aim = ELEMENTS * f64::from(asked.error);
-        let (now, most) = (
-            self.settings.elements,
-            asked.elements.saturating_mul(MORE_ELEMENTS),
-        );
-        // What elements leave out and what their rays leave to chance both go down with the square
-        // root of their number.
-        let times = (solved.error.left() / aim).powi(2);
-        let more = ((f64::from(now) * times) as u32).min(most.min(4_000_000));
-        let needed = |elements| {
-            let settings = BakeSettings {
-                elements,
-                ..self.settings.clone()
-            };
-            estimate_counts(self.scene, &settings).bytes
-        };
-        (f64::from(more) > WORTH * f64::from(now) && needed(more) <= asked.max_memory)
-            .then_some(more)
     }
 
     /// The first half: from the scene to the light of its elements.
@@ -323,8 +263,8 @@ impl<'a> Run<'a> {
             arrived: &solved.arrived,
             solution: &solved.solution,
             error: solved.error,
-            stages: &self.spent.stages,
-            work: self.spent.work,
+            stages: &self.stages,
+            work: self.work,
             occluder_bytes: solved.hierarchy.bytes(),
         }
     }
@@ -342,9 +282,9 @@ impl<'a> Run<'a> {
         let since = Instant::now();
         let made = work(self)?;
         let spent = since.elapsed();
-        match self.spent.stages.iter_mut().find(|s| s.0 == stage) {
+        match self.stages.iter_mut().find(|s| s.0 == stage) {
             Some(known) => known.1 += spent,
-            None => self.spent.stages.push((stage, spent)),
+            None => self.stages.push((stage, spent)),
         }
         self.observer.progress(stage, 1.0);
         if self.observer.cancelled() {

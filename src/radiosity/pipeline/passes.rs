@@ -67,8 +67,8 @@ const FEW_VERTICES: usize = 1024;
 /// A pass is of use if it leaves this share of the error of the one before, or less.
 const USEFUL: f64 = 0.95;
 
-/// Passes aim at this share of what is asked at least, whatever elements leave of it.
-const LEAST_AIM: f64 = 0.5;
+/// Passes aim at this share of what is asked.
+const VERTICES: f64 = 0.9;
 
 /// Passes at most.
 const PASSES: usize = 8;
@@ -96,11 +96,8 @@ impl Run<'_> {
             });
         }
         let (most, by_memory) = self.most_vertices(solved);
-        let asked = f64::from(self.settings.error);
-        // What elements leave is not for passes to mend.
-        let aim = (asked.powi(2) - solved.error.left().powi(2))
-            .sqrt()
-            .max(LEAST_AIM * asked);
+        // The rest is for elements and solver, which passes cannot mend.
+        let aim = VERTICES * f64::from(self.settings.error);
         let mut effort = Effort {
             mesh: aim * FIRST_MESH,
             samples: [FIRST_SAMPLES; 2],
@@ -126,8 +123,7 @@ impl Run<'_> {
             };
             let total = pass.control.unwrap_or_default().bound;
             if total <= aim {
-                let met = total.hypot(solved.error.left()) <= asked;
-                return Ok(pass.stopped(if met { Stopped::Error } else { Stopped::Limit }));
+                return Ok(pass.stopped(Stopped::Error));
             }
             let full = pass.refinement.full && goal.max_vertices == most;
             let useless = (best.as_ref())
@@ -272,7 +268,7 @@ impl<'a> Deadline<'a> {
             && !self.observer.cancelled()
     }
 
-    pub(super) fn for_meshes(&self) -> Option<Instant> {
+    fn for_meshes(&self) -> Option<Instant> {
         Some(self.begun + self.limit?.mul_f64(FOR_MESHES))
     }
 }

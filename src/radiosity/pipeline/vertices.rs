@@ -162,7 +162,7 @@ impl Run<'_> {
                 until,
             };
             let refinement = refiner.refine(run.scene, &solved.given, asked)?;
-            run.spent.work.gather_rays += refinement.rays;
+            run.work.gather_rays += refinement.rays;
             let receivers = Receivers::new(run.scene, &solved.given, &refinement);
             Ok((receivers, refinement.into()))
         })
@@ -179,7 +179,7 @@ impl Run<'_> {
         self.stage(Stage::Error, |run| {
             let meshes = &receivers.fine;
             let control = Control::run(gather, shining, meshes, &fitted.light, run.observer)?;
-            run.spent.work.error_rays += control.rays;
+            run.work.error_rays += control.rays;
             Ok(control)
         })
     }
@@ -237,7 +237,7 @@ impl Run<'_> {
             let (mut bundles, mut met) = (ByTriangle::of(meshes), ByTriangle::of(meshes));
             let mut samples = Vec::with_capacity(list.len());
             for (each, rays) in chunks {
-                run.spent.work.gather_rays += rays;
+                run.work.gather_rays += rays;
                 for (sample, m, bundle) in each {
                     samples.push(sample);
                     met.list.push(m);
@@ -275,9 +275,9 @@ impl Run<'_> {
             let mut light = ByTriangle::of(meshes);
             let mut samples = Vec::with_capacity(list.len());
             for (each, cost) in chunks {
-                run.spent.work.gather_rays += cost.rays;
-                run.spent.work.light_rays += cost.shadow.lights;
-                run.spent.work.emitter_rays += cost.shadow.emitters;
+                run.work.gather_rays += cost.rays;
+                run.work.light_rays += cost.shadow.lights;
+                run.work.emitter_rays += cost.shadow.emitters;
                 for (sample, l) in each {
                     samples.push(sample);
                     light.list.extend(l);
@@ -322,16 +322,14 @@ impl Run<'_> {
         let known = match (self.start.plan, self.start.before) {
             (Some(plan), _) => Some(&plan.smoothing),
             // Colours do not change how noisy samples are: only new samples have to be judged.
-            (None, Some(before)) if self.spent.work.rays() == 0 => {
-                Some(&before.stages.plan.smoothing)
-            }
+            (None, Some(before)) if self.work.rays() == 0 => Some(&before.stages.plan.smoothing),
             _ => None,
         };
         self.stage(Stage::Fit, |run| {
             let observer = run.observer;
             let fitted = fit(samples, receivers, known, &|| !observer.cancelled())?;
-            run.spent.work.fits += 1;
-            run.spent.work.cross_validations += u64::from(known.is_none());
+            run.work.fits += 1;
+            run.work.cross_validations += u64::from(known.is_none());
             Ok(fitted)
         })
     }
