@@ -11,19 +11,24 @@ use crate::radiosity::sampling::{hash, sobol};
 /// One of so many shadow rays is of the first round, at least.
 const FIRST: u32 = 4;
 
-/// Rays of the first round, from a group to an emitter, at least.
+/// Rays of the first round, from a group to a lamp, at least.
 ///
-/// If `n` evenly spread rays see all of an emitter of which the share `s` is hidden, which happens
-/// with probability `1 − n s`, the share counts as seen: on average that is `s (1 − n s)` of its
-/// light too much, `1/4n` at worst.
-const AGREEING: u32 = 16;
+/// If `n` evenly spread rays see all of a lamp of which the share `s` is hidden, which happens with
+/// probability `1 − n s`, the share counts as seen: on average that is `s (1 − n s)` of its light
+/// too much, `1/4n` at worst.
+const AGREEING: u32 = 40;
+
+/// Points by which an emitter's light is shared out among several elements, at least, where that
+/// takes no rays: the elements' form factors, as good as is wanted.
+const SHARING: u32 = 64;
 
 /// Few emitters: each in closed form, but for what stands between (see [`Facet`]).
 ///
-/// Rays are traced in two rounds. If all rays of the first, from all receivers of a group, find that
-/// the same share of light passes, as they do everywhere but in penumbrae, it is taken to be so.
-/// Were each receiver to decide for itself, those whose few rays happen to agree would stop, and
-/// penumbrae would be too hard: the more rays have a say, the less that can be.
+/// Rays are traced in two rounds. If all rays of the first, from all receivers of a group to all
+/// emitters of a lamp, find that the same share of light passes, as they do everywhere but in
+/// penumbrae, it is taken to be so. Were each receiver to decide for itself, those whose few rays
+/// happen to agree would stop, and penumbrae would be too hard: the more rays have a say, the less
+/// that can be.
 pub(super) struct Closed<'c> {
     pub(super) emitters: &'c Emitters<'c>,
     pub(super) elements: &'c Elements,
@@ -31,12 +36,17 @@ pub(super) struct Closed<'c> {
     pub(super) group: &'c Group<'c>,
 }
 
+/// The least and the most of nothing.
+const NOTHING: (f32, f32) = (f32::INFINITY, f32::NEG_INFINITY);
+
 /// An emitter as a group of receivers sees it.
 struct View<'c> {
     leaf: &'c Leaf,
     seed: u32,
     /// What it may bring to all of them, to be held against other emitters.
     light: f64,
+    /// Shadow rays of each receiver: by that light, one at least.
+    rays: u32,
     sights: Vec<Sight>,
     /// The least and the most light that rays found to pass.
     passing: (f32, f32),
@@ -53,18 +63,18 @@ impl Closed<'_> {
     /// Tells `found` the light of each emitter's elements at each receiver. Returns how many shadow
     /// rays that took.
     pub(super) fn light(&self, found: &mut impl FnMut(usize, u32, f32)) -> u64 {
-        let views: Vec<View> = (0..self.emitters.tree.leaves.len() as u32)
+        let mut views: Vec<View> = (0..self.emitters.tree.leaves.len() as u32)
             .map(|leaf| self.view(leaf))
             .filter(|view| view.light > 0.0)
             .collect();
         let all: f64 = views.iter().map(|view| view.light).sum();
-        let mut traced = 0;
-        for mut view in views {
-            // Rays by what it may bring, one at least.
-            let rays = (f64::from(self.group.rays) * view.light / all)
-                .round()
-                .max(1.0) as u32;
-            traced += self.rounds(&mut view, rays);
+        for view in &mut views {
+            let share = f64::from(self.group.rays) * view.light / all;
+            view.rays = share.round().max(1.0) as u32;
+        }
+        let lamps = views.chunk_by_mut(|a, b| a.leaf.lamp == b.leaf.lamp);
+        let traced = lamps.map(|lamp| self.lamp(lamp)).sum();
+        for view in &views {
             for (k, sight) in view.sights.iter().enumerate() {
                 let factor = sight.facet.as_ref().map_or(0.0, |f| f.factor);
                 for &(e, seen) in &sight.seen {
@@ -92,26 +102,34 @@ impl Closed<'_> {
             leaf,
             seed,
             light: f64::from(tree.radiance(leaf)) * factors.sum::<f64>(),
+            rays: 0,
             sights,
-            passing: (f32::INFINITY, f32::NEG_INFINITY),
+            passing: NOTHING,
         }
     }
 
-    /// Both rounds of rays to an emitter, `rays` for each receiver.
-    fn rounds(&self, view: &mut View, rays: u32) -> u64 {
+    /// Both rounds of rays to the emitters of a lamp.
+    fn lamp(&self, views: &mut [View]) -> u64 {
         let blocks = self.group.blocks;
-        let first = rays
-            .div_ceil(FIRST)
-            .max(AGREEING.div_ceil(blocks))
-            .min(rays);
-        let traced = self.round(view, 0, first, None);
-        let (least, most) = view.passing;
-        let agreed = (least == most).then_some(least);
-        // Where nothing is left to be asked, only what several elements send is.
-        if first == rays || (agreed.is_some() && !self.several(view.leaf)) {
-            return traced;
+        let all: u32 = views.iter().map(|view| view.rays).sum();
+        let least = AGREEING.div_ceil(blocks).max(all.div_ceil(FIRST));
+        let first = |view: &View| (view.rays * least).div_ceil(all).min(view.rays);
+        let mut traced = 0;
+        for view in &mut *views {
+            traced += self.round(view, 0, first(view), None);
         }
-        traced + self.round(view, blocks * first, rays - first, agreed)
+        let passing = views.iter().map(|view| view.passing);
+        let (least, most) = passing.fold(NOTHING, |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let agreed = (least == most).then_some(least);
+        for view in views {
+            let (start, rest) = (blocks * first(view), view.rays - first(view));
+            if agreed.is_none() {
+                traced += self.round(view, start, rest, None);
+            } else if self.several(view.leaf) {
+                self.round(view, start, rest.max(SHARING), agreed);
+            }
+        }
+        traced
     }
 
     /// `rays` of each receiver, from `start` of the sequence on; none are traced if it is known how

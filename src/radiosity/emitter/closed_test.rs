@@ -238,8 +238,8 @@ fn textured_lamps_shine_by_element() {
         let mut sums = vec![(0.0, 0.0); floor.len()];
         for seed in 0..count {
             let (light, traced) = stage.light(&floor, 32, seed);
-            // What shines is asked for shadow in the first round alone.
-            assert!(traced <= 32, "{traced}");
+            // Shadow is asked for in the first round alone.
+            assert!(traced <= 2 * 32, "{traced}");
             for (sum, found) in sums.iter_mut().zip(light) {
                 *sum = (sum.0 + found, sum.1 + found * found);
             }
@@ -274,7 +274,7 @@ fn veils_and_gratings() {
                 assert!((found / truth - 1.0).abs() < 1e-5, "{found}, {truth}");
             }
             // One round was enough.
-            assert!(traced <= 16 * 16, "{traced}");
+            assert!(traced <= 16 * 32, "{traced}");
         },
     );
     let grating = Material {
@@ -326,35 +326,35 @@ fn beside_sheet(stage: &Stage, receiver: &Receiver) -> f64 {
     5.0 * point_to_polygon(here, receiver.normal.as_dvec3(), &seen)
 }
 
-/// Groups of receivers all over a penumbra and beside it, as triangles and elements of a bake have
-/// them: at no receiver is the mean over many seeds off by half a percent of the unshadowed light.
+/// Groups of receivers all over a penumbra and beside it, as narrow as a point or wide, and as
+/// triangles and elements of a bake have them: of none is the light, mean over many seeds, off by
+/// half a percent of what it is without shadow.
 #[test]
 fn penumbrae_are_not_hardened_by_rounds() {
     on_stage(half_hidden(), 100, |stage| {
         for (side, rays) in [(2, 24), (3, 24), (2, 64), (4, 64)] {
-            let (mut worst, mut saved) = (0.0_f64, 0);
-            for step in -6..=6 {
-                let low = Vec3::new(0.05 * step as f32, 0.0, 0.1);
-                let group = spread(stage, low, 0.05, side);
-                let seeds = 400;
-                let mut sums = vec![0.0; group.len()];
+            let (mut worst, mut traced, mut all) = (0.0_f64, 0, 0);
+            for (size, step) in [1e-3, 0.05, 0.2]
+                .into_iter()
+                .flat_map(|size| (-15..15).map(move |step| (size, step)))
+            {
+                let low = Vec3::new(0.02 * step as f32, 0.0, 0.1);
+                let group = spread(stage, low, size, side);
+                let seeds = 300;
+                let mut found = 0.0;
                 for seed in 0..seeds {
-                    let (light, traced) = stage.light(&group, rays, seed);
-                    sums.iter_mut().zip(light).for_each(|(s, l)| *s += l);
-                    saved += u64::from(rays * side * side) - traced;
+                    let (light, cost) = stage.light(&group, rays, seed);
+                    found += light.iter().sum::<f64>() / f64::from(seeds);
+                    traced += cost;
+                    all += u64::from(rays * side * side);
                 }
-                for (sum, receiver) in sums.iter().zip(&group) {
-                    let mean = sum / f64::from(seeds);
-                    let bias = mean - beside_sheet(stage, receiver);
-                    worst = worst.max((bias / stage.unshadowed(receiver, 1)).abs());
-                }
+                let truth: f64 = group.iter().map(|r| beside_sheet(stage, r)).sum();
+                let whole: f64 = group.iter().map(|r| stage.unshadowed(r, 1)).sum();
+                worst = worst.max(((found - truth) / whole).abs());
             }
-            eprintln!(
-                "{side} {rays}: {worst} saved {}",
-                saved as f64 / (13. * 400. * (rays * side * side) as f64)
-            );
+            eprintln!("{side}² × {rays}: {worst}, {}", traced as f64 / all as f64);
             assert!(worst < 0.005, "{side}² × {rays} rays: {worst}");
-            assert!(saved > 0);
+            assert!(traced < all);
         }
     });
 }

@@ -44,6 +44,8 @@ pub(crate) struct Leaf {
     pub(crate) two_sided: bool,
     /// Live triangle or element that shines.
     pub(crate) source: u32,
+    /// The same for leaves that are likely to be hidden together: those of an object.
+    pub(crate) lamp: u32,
     /// Position in the tree.
     node: u32,
 }
@@ -103,7 +105,7 @@ impl EmitterTree {
                     continue;
                 }
                 let leaf = Leaf::new(scene, t, two_sided);
-                powers.push(leaf.area * mean_emission(elements, t));
+                powers.push(leaf.area * mean_emission(elements, t, two_sided));
                 leaves.push(leaf);
             }
         }
@@ -135,6 +137,7 @@ impl EmitterTree {
                     area: area(corners),
                     two_sided: false,
                     source: e,
+                    lamp: scene.triangles[triangle as usize].object,
                     node: 0,
                 });
             }
@@ -332,6 +335,7 @@ impl Leaf {
             area: area(corners),
             two_sided,
             source: triangle,
+            lamp: scene.triangles[triangle as usize].object,
             node: 0,
         }
     }
@@ -365,11 +369,13 @@ impl Leaf {
     }
 }
 
-fn mean_emission(elements: &Elements, triangle: u32) -> f32 {
-    let sides = [false, true].map(|back| {
-        let mid = elements.emission_at(triangle, [1.0 / 3.0; 2], back);
-        mid.element_sum()
-    });
-    // A texture may be dark in the middle of a triangle that shines elsewhere.
-    (sides[0].max(sides[1])).max(1e-6)
+/// Mean over the elements of a triangle, those of its brighter side.
+fn mean_emission(elements: &Elements, triangle: u32, two_sided: bool) -> f32 {
+    let light: Vec<f32> = elements
+        .of_triangle(triangle)
+        .map(|e| elements.emission[e as usize].element_sum())
+        .collect();
+    let side = light.len() / if two_sided { 2 } else { 1 };
+    let mean = |side: &[f32]| side.iter().sum::<f32>() / side.len() as f32;
+    light.chunks(side).map(mean).fold(0.0, f32::max)
 }
