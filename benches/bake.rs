@@ -81,6 +81,7 @@ fn rays(c: &mut Criterion) {
     let settings = BakeSettings {
         elements: 10_000,
         element_rays: 64,
+        refine: false,
         ..BakeSettings::DRAFT
     };
     let element_rays = |b: &Bake| b.report.counts.elements * 64;
@@ -111,6 +112,7 @@ fn sweeps(c: &mut Criterion) {
         solver_tolerance: 1e-5,
         gather_rays: 1,
         samples_per_vertex: 1.0,
+        refine: false,
         ..BakeSettings::DRAFT
     };
     let scene = cornell().validate().expect("a sound scene");
@@ -132,6 +134,7 @@ fn whole(c: &mut Criterion) {
     for elements in [1_000, 10_000] {
         let settings = BakeSettings {
             elements,
+            refine: false,
             ..BakeSettings::BALANCED
         };
         group.bench_function(format!("{elements} elements"), |b| {

@@ -64,7 +64,10 @@ fn app(lit: bool) -> App {
     .init_asset::<Image>()
     .init_asset::<StandardMaterial>()
     .insert_resource(RadiositySettings {
-        bake: BakeSettings::DRAFT,
+        bake: BakeSettings {
+            refine: false,
+            ..BakeSettings::DRAFT
+        },
         ..default()
     })
     .add_plugins(FrescoPlugins)

@@ -23,6 +23,7 @@ use glam::Vec3;
 const SETTINGS: BakeSettings = BakeSettings {
     elements: 11_500,
     element_rays: 256,
+    refine: false,
     ..BakeSettings::BALANCED
 };
 

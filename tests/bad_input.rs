@@ -19,6 +19,7 @@ fn draft() -> BakeSettings {
         gather_rays: 4,
         emitter_rays: 2,
         samples_per_vertex: 2.0,
+        refine: false,
         ..BakeSettings::DRAFT
     }
 }
@@ -118,7 +119,15 @@ fn numbers_that_are_none() {
 
 #[test]
 fn flat_and_duplicate_triangles_are_counted_and_change_nothing() {
-    let clean = bake(&lit_room().validate().unwrap(), &BakeSettings::DRAFT, &()).unwrap();
+    let clean = bake(
+        &lit_room().validate().unwrap(),
+        &BakeSettings {
+            refine: false,
+            ..BakeSettings::DRAFT
+        },
+        &(),
+    )
+    .unwrap();
     let mut s = lit_room();
     for object in &mut s.objects {
         let first = object.triangles[0];
@@ -135,7 +144,15 @@ fn flat_and_duplicate_triangles_are_counted_and_change_nothing() {
     );
     assert_eq!(s.notes().iter().filter(|n| n.contains("twice")).count(), 6);
     assert_eq!(s.triangle_count(), 48);
-    let mended = bake(&s, &BakeSettings::DRAFT, &()).unwrap();
+    let mended = bake(
+        &s,
+        &BakeSettings {
+            refine: false,
+            ..BakeSettings::DRAFT
+        },
+        &(),
+    )
+    .unwrap();
     let mean = |b| values(b).iter().sum::<f32>() / values(b).len() as f32;
     assert!((mean(&clean) / mean(&mended) - 1.0).abs() < 0.02);
 }

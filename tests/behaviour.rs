@@ -30,7 +30,19 @@ fn any_number_of_threads_gives_the_same_bits() {
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| values(&bake(&s, &BakeSettings::DRAFT, &()).unwrap()))
+        pool.install(|| {
+            values(
+                &bake(
+                    &s,
+                    &BakeSettings {
+                        refine: false,
+                        ..BakeSettings::DRAFT
+                    },
+                    &(),
+                )
+                .unwrap(),
+            )
+        })
     };
     let one = on(1);
     for threads in [1, 2, 8] {
@@ -69,6 +81,7 @@ fn any_number_of_threads_gives_the_same_bits_by_every_method() {
             elements: 300,
             form_factors,
             solver,
+            refine: false,
             ..BakeSettings::DRAFT
         };
         let on = |threads| {
@@ -100,6 +113,7 @@ fn seeds_change_the_noise_and_little_else() {
                 &s,
                 &BakeSettings {
                     seed,
+                    refine: false,
                     ..BakeSettings::DRAFT
                 },
                 &(),
@@ -121,6 +135,7 @@ fn the_sampling_error_is_about_the_difference_of_two_seeds() {
             &s,
             &BakeSettings {
                 seed,
+                refine: false,
                 ..BakeSettings::DRAFT
             },
             &(),
@@ -156,7 +171,15 @@ fn progress_starts_and_ends_every_stage_in_order() {
     let watcher = Watcher {
         seen: Mutex::new(Vec::new()),
     };
-    let result = bake(&lit_room(6), &BakeSettings::DRAFT, &watcher).unwrap();
+    let result = bake(
+        &lit_room(6),
+        &BakeSettings {
+            refine: false,
+            ..BakeSettings::DRAFT
+        },
+        &watcher,
+    )
+    .unwrap();
     let seen = watcher.seen.into_inner().unwrap();
     for stage in Stage::ALL {
         let mine: Vec<f32> = seen
@@ -205,7 +228,14 @@ fn cancelling_works_in_every_stage() {
             since: Mutex::new(None),
             asked: AtomicU32::new(0),
         };
-        let result = bake(&s, &BakeSettings::FINAL, &canceller);
+        let result = bake(
+            &s,
+            &BakeSettings {
+                refine: false,
+                ..BakeSettings::FINAL
+            },
+            &canceller,
+        );
         assert!(matches!(result, Err(BakeError::Cancelled)), "{at:?}");
         // Far above the 100 ms it takes, so that a busy machine cannot fail this.
         let waited = canceller.since.into_inner().unwrap().unwrap().elapsed();
@@ -218,9 +248,18 @@ fn max_edge_gives_meshes_that_carry_light() {
     let s = lit_room(1);
     let settings = BakeSettings {
         max_edge: Some(0.2),
+        refine: false,
         ..BakeSettings::DRAFT
     };
-    let coarse = bake(&s, &BakeSettings::DRAFT, &()).unwrap();
+    let coarse = bake(
+        &s,
+        &BakeSettings {
+            refine: false,
+            ..BakeSettings::DRAFT
+        },
+        &(),
+    )
+    .unwrap();
     assert!(
         coarse
             .objects
@@ -255,7 +294,15 @@ fn seams_are_welded_and_creases_are_not() {
         vec![left, right, wall, lamp],
         vec![grey(0.5, 0.0), grey(0.0, 10.0)],
     );
-    let bake = bake(&s.validate().unwrap(), &BakeSettings::BALANCED, &()).unwrap();
+    let bake = bake(
+        &s.validate().unwrap(),
+        &BakeSettings {
+            refine: false,
+            ..BakeSettings::BALANCED
+        },
+        &(),
+    )
+    .unwrap();
     let light_at = |o: usize, p: Vec3| {
         let i = shapes[o].positions.iter().position(|q| *q == p).unwrap();
         bake.objects[o].light[i]
@@ -295,7 +342,15 @@ fn meshes_without_normals_are_flat() {
     }
     objects.push(cube);
     let s = scene(objects, vec![grey(0.5, 0.0), grey(0.5, 1.0)]);
-    let bake = bake(&s.validate().unwrap(), &BakeSettings::DRAFT, &()).unwrap();
+    let bake = bake(
+        &s.validate().unwrap(),
+        &BakeSettings {
+            refine: false,
+            ..BakeSettings::DRAFT
+        },
+        &(),
+    )
+    .unwrap();
     assert_eq!(bake.objects[6].mesh.as_ref().unwrap().vertices.len(), 24);
     assert!(bake.objects[6].light.iter().all(|l| l.x > 0.0));
 }

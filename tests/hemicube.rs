@@ -15,6 +15,7 @@ fn hemicube(resolution: u32, elements: u32) -> BakeSettings {
         elements,
         form_factors: FormFactors::Hemicube { resolution },
         emitter_rays: 64,
+        refine: false,
         ..BakeSettings::FINAL
     }
 }

@@ -33,7 +33,15 @@ fn floor(half: f32, y: f32, n: u32, material: u32) -> Object {
 }
 
 fn run(s: Scene) -> Bake {
-    bake(&s.validate().unwrap(), &BakeSettings::BALANCED, &()).unwrap()
+    bake(
+        &s.validate().unwrap(),
+        &BakeSettings {
+            refine: false,
+            ..BakeSettings::BALANCED
+        },
+        &(),
+    )
+    .unwrap()
 }
 
 #[test]

@@ -16,6 +16,7 @@ use glam::Vec3;
 const SETTINGS: BakeSettings = BakeSettings {
     elements: 2_000,
     max_edge: Some(0.4),
+    refine: false,
     ..BakeSettings::DRAFT
 };
 

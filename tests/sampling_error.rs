@@ -107,6 +107,7 @@ fn settings(form_factors: FormFactors, element_rays: u32) -> BakeSettings {
         samples_per_vertex: 6.0,
         emitter_rays: 8,
         solver_tolerance: 1e-4,
+        refine: false,
         ..BakeSettings::DRAFT
     }
 }

@@ -70,6 +70,7 @@ fn settings(solver: Solver, elements: u32) -> BakeSettings {
         element_rays: 256,
         solver_tolerance: 1e-4,
         max_sweeps: 2000,
+        refine: false,
         ..BakeSettings::BALANCED
     }
 }

@@ -16,7 +16,15 @@ fn furnace() {
         let objects = room(Vec3::new(2.0, 1.0, 3.0), 8, [0; 6]);
         let areas = objects.clone();
         let scene = scene(objects, vec![grey(rho, 1.0)]).validate().unwrap();
-        let bake = bake(&scene, &BakeSettings::BALANCED, &()).unwrap();
+        let bake = bake(
+            &scene,
+            &BakeSettings {
+                refine: false,
+                ..BakeSettings::BALANCED
+            },
+            &(),
+        )
+        .unwrap();
         let truth = 1.0 / (1.0 - f64::from(rho));
         let mean = areas
             .iter()
@@ -68,7 +76,15 @@ fn unit_cube() {
         let scene = scene(objects, vec![grey(rho, 0.0), grey(rho, 1.0)])
             .validate()
             .unwrap();
-        let bake = bake(&scene, &BakeSettings::FINAL, &()).unwrap();
+        let bake = bake(
+            &scene,
+            &BakeSettings {
+                refine: false,
+                ..BakeSettings::FINAL
+            },
+            &(),
+        )
+        .unwrap();
         // Radiosity, as the truths are, is emission + ρ × arriving light.
         let rho = f64::from(rho);
         let mean = |i: usize| rho * mean_over(&shapes[i], &bake.objects[i].light);
@@ -117,7 +133,15 @@ fn integrating_sphere() {
     let scene = scene(vec![sphere, other], vec![grey(0.8, 0.0), grey(0.3, 2.0)])
         .validate()
         .unwrap();
-    let bake = bake(&scene, &BakeSettings::BALANCED, &()).unwrap();
+    let bake = bake(
+        &scene,
+        &BakeSettings {
+            refine: false,
+            ..BakeSettings::BALANCED
+        },
+        &(),
+    )
+    .unwrap();
     let truth = 2.0 * share / (1.0 - (0.8 * (1.0 - share) + 0.3 * share));
     let found = [0, 1].map(|i| mean_over(&shapes[i], &bake.objects[i].light));
     let mean = found[0] * (1.0 - share) + found[1] * share;
@@ -154,7 +178,15 @@ fn point_light_on_a_floor() {
         },
         ..Light::default()
     });
-    let bake = bake(&s.validate().unwrap(), &BakeSettings::BALANCED, &()).unwrap();
+    let bake = bake(
+        &s.validate().unwrap(),
+        &BakeSettings {
+            refine: false,
+            ..BakeSettings::BALANCED
+        },
+        &(),
+    )
+    .unwrap();
     for (p, light) in positions.iter().zip(&bake.objects[0].light) {
         let d = Vec3::new(0.1, 0.7, -0.2) - *p;
         let truth = candela * d.y / d.length().powi(3) / std::f32::consts::PI;

@@ -21,6 +21,7 @@ const SETTINGS: BakeSettings = BakeSettings {
     emitter_rays: 4,
     solver_tolerance: 1e-4,
     max_sweeps: 1000,
+    refine: false,
     ..BakeSettings::DRAFT
 };
 

@@ -17,6 +17,7 @@ const SETTINGS: BakeSettings = BakeSettings {
     samples_per_vertex: 4.0,
     emitter_rays: 8,
     solver_tolerance: 1e-4,
+    refine: false,
     ..BakeSettings::DRAFT
 };
 

@@ -25,6 +25,7 @@ const SETTINGS: BakeSettings = BakeSettings {
     samples_per_vertex: 1.0,
     emitter_rays: 24,
     solver_tolerance: 1e-4,
+    refine: false,
     ..BakeSettings::DRAFT
 };
 

@@ -271,6 +271,7 @@ mod tests {
         for max_edge in [None, Some(3.0), Some(1.0), Some(0.3), Some(0.1)] {
             let settings = BakeSettings {
                 max_edge,
+                refine: false,
                 ..BakeSettings::DRAFT
             };
             let rough = estimate_counts(&floor(), &settings);
@@ -290,6 +291,7 @@ mod tests {
             emitter_rays: 4096,
             samples_per_vertex: 1e4,
             elements: 4_000_000,
+            refine: false,
             ..BakeSettings::FINAL
         };
         assert!(estimate_counts(&floor(), &settings).bytes > 1 << 40);
@@ -348,6 +350,7 @@ mod tests {
                         form_factors,
                         solver,
                         gather_rays: 1,
+                        refine: false,
                         ..BakeSettings::DRAFT
                     };
                     let (bake, stages) = run(scene, &settings, Start::default(), &()).unwrap();

@@ -18,6 +18,7 @@ fn by_each_method(scene: &Scene, elements: u32) -> [f64; 3] {
             elements,
             element_rays: 4096,
             form_factors,
+            refine: false,
             ..BakeSettings::BALANCED
         };
         between(&solved(scene.clone(), &settings), 0, 1)
@@ -217,6 +218,7 @@ fn turned_triangles_agree_with_rays() {
             elements: 150,
             element_rays,
             form_factors,
+            refine: false,
             ..BakeSettings::BALANCED
         };
         solved(scene.clone(), &settings)

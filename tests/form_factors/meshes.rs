@@ -81,6 +81,7 @@ pub(crate) fn settings(scene: &Scene, area: f64, form_factors: FormFactors) -> B
         // All light by form factors.
         sample_emitters: false,
         solver_tolerance: 1e-7,
+        refine: false,
         ..BakeSettings::BALANCED
     }
 }

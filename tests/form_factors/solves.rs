@@ -115,6 +115,7 @@ fn spheres_in_spheres() {
                 elements: 500,
                 form_factors: FormFactors::Analytic { visibility_rays: 4 },
                 sample_emitters: false,
+                refine: false,
                 ..BakeSettings::FINAL
             },
             &[0, 1],

@@ -217,6 +217,7 @@ fn with(scene: Scene, form_factors: FormFactors) -> ElementLight {
     let settings = BakeSettings {
         elements: 300,
         form_factors,
+        refine: false,
         ..BakeSettings::BALANCED
     };
     solved(scene, &settings)

@@ -113,6 +113,7 @@ impl Room {
             elements: 20_000,
             element_rays: 1024,
             gather_rays: 1024,
+            refine: false,
             ..BakeSettings::FINAL
         };
         while !matches!(self.status().state, BakeState::Baking { .. }) {

@@ -36,6 +36,7 @@ pub(crate) fn settings() -> RadiositySettings {
             samples_per_vertex: 16.0,
             solver_tolerance: 1e-4,
             max_edge: Some(0.8),
+            refine: false,
             ..BakeSettings::DRAFT
         },
         debounce: Duration::ZERO,

@@ -21,7 +21,10 @@ fn walls_twice(n: u32, again: Option<u32>) -> Scene {
 /// (Walls of the same triangles, and flipped ones: `walls_modelled_twice` in `light`.)
 #[test]
 fn coincident_walls() {
-    let settings = BakeSettings::BALANCED;
+    let settings = BakeSettings {
+        refine: false,
+        ..BakeSettings::BALANCED
+    };
     let once = solved(walls_twice(4, None), &settings);
     let twice = solved(walls_twice(4, Some(3)), &settings);
     for wall in 0..6 {
@@ -62,6 +65,7 @@ fn cornell(lamp: [f32; 4], below: f32, reflectance: f32) -> Scene {
 fn coplanar_lamp() {
     let settings = BakeSettings {
         elements: 4_000,
+        refine: false,
         ..BakeSettings::FINAL
     };
     for (lamp, factor, centre) in [

@@ -39,6 +39,7 @@ fn slivers() {
         s.objects[0] = floor_with_lines(lines);
         let settings = BakeSettings {
             seed,
+            refine: false,
             ..BakeSettings::FINAL
         };
         lights(&baked(s, &settings), 0)
@@ -55,7 +56,13 @@ fn slivers() {
 
     let mut s = lit_room(4);
     s.objects[0] = floor_with_lines(&slivered);
-    let light = solved(s, &BakeSettings::BALANCED);
+    let light = solved(
+        s,
+        &BakeSettings {
+            refine: false,
+            ..BakeSettings::BALANCED
+        },
+    );
     let (low, high) = range(of_object(&light, 0));
     assert!(0.3 < low && high < 0.8, "{low}..{high}");
 }
@@ -65,7 +72,10 @@ fn slivers() {
 /// order of a sum.
 #[test]
 fn triangles_without_area() {
-    let settings = BakeSettings::DRAFT;
+    let settings = BakeSettings {
+        refine: false,
+        ..BakeSettings::DRAFT
+    };
     let clean = lit_room(4);
     let mut flat = clean.clone();
     for object in &mut flat.objects {
@@ -93,7 +103,10 @@ fn triangles_without_area() {
 /// of their elements down to the bit, and that of their vertices but for the order of a sum.
 #[test]
 fn objects_of_nothing() {
-    let settings = BakeSettings::DRAFT;
+    let settings = BakeSettings {
+        refine: false,
+        ..BakeSettings::DRAFT
+    };
     let mut clean = lit_room(4);
     for (key, object) in (1..).zip(&mut clean.objects) {
         object.key = key;
@@ -171,7 +184,10 @@ fn measured_cornell_box(cut: usize, materials: Vec<Material>) -> Scene {
 /// triangles (a furnace is 1 everywhere), and the light of each wall is the same within the noise.
 #[test]
 fn quads_that_are_not_flat() {
-    let settings = BakeSettings::BALANCED;
+    let settings = BakeSettings {
+        refine: false,
+        ..BakeSettings::BALANCED
+    };
     let walls = [0, 1].map(|cut| {
         let furnace = measured_cornell_box(cut, vec![grey(0.8, 0.2)]);
         let light = solved(furnace.clone(), &settings);

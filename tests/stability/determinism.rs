@@ -59,7 +59,17 @@ fn threads() {
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| solve_elements(&s, &BakeSettings::DRAFT, &()).unwrap())
+        pool.install(|| {
+            solve_elements(
+                &s,
+                &BakeSettings {
+                    refine: false,
+                    ..BakeSettings::DRAFT
+                },
+                &(),
+            )
+            .unwrap()
+        })
     };
     let rows = |light: &ElementLight| {
         let count = light.elements.len();

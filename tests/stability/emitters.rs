@@ -29,10 +29,17 @@ fn note(notes: &[String]) -> Option<f64> {
 fn tiny_lamp_left_to_chance() {
     let chance = BakeSettings {
         sample_emitters: false,
+        refine: false,
         ..BakeSettings::BALANCED
     };
     for width in [0.2, 0.1, 0.05] {
-        let truth = solved(with_lamp(width), &BakeSettings::FINAL);
+        let truth = solved(
+            with_lamp(width),
+            &BakeSettings {
+                refine: false,
+                ..BakeSettings::FINAL
+            },
+        );
         let truth = mean(of_object(&truth, 0), |e| e.direct.x);
         let light = solved(with_lamp(width), &chance);
         let square = mean(of_object(&light, 0), |e| {
@@ -53,7 +60,17 @@ fn tiny_lamp_left_to_chance() {
         );
     }
     assert_eq!(
-        note(&solved(with_lamp(0.1), &BakeSettings::BALANCED).report.notes),
+        note(
+            &solved(
+                with_lamp(0.1),
+                &BakeSettings {
+                    refine: false,
+                    ..BakeSettings::BALANCED
+                }
+            )
+            .report
+            .notes
+        ),
         None
     );
     let ceiling = scene(
@@ -116,7 +133,10 @@ fn errors_of_dim_and_bright(settings: &BakeSettings) -> ([f64; 2], [f64; 2], f64
 /// the bright one: by no more than the report says.
 #[test]
 fn dim_light_beside_bright_light() {
-    let (direct, all, bound) = errors_of_dim_and_bright(&BakeSettings::FINAL);
+    let (direct, all, bound) = errors_of_dim_and_bright(&BakeSettings {
+        refine: false,
+        ..BakeSettings::FINAL
+    });
     assert!(direct.iter().all(|&e| e < 0.02), "{direct:?}");
     assert!(all[1] < 0.02, "{all:?}");
     assert!(all[0] < bound.max(0.02), "{all:?}, {bound}");
@@ -125,6 +145,9 @@ fn dim_light_beside_bright_light() {
 /// All light in both, within 2 %.
 #[test]
 fn bounced_dim_light_beside_bright_light() {
-    let (_, all, _) = errors_of_dim_and_bright(&BakeSettings::FINAL);
+    let (_, all, _) = errors_of_dim_and_bright(&BakeSettings {
+        refine: false,
+        ..BakeSettings::FINAL
+    });
     assert!(all.iter().all(|&e| e < 0.02), "{all:?}");
 }

@@ -17,6 +17,7 @@ use crate::solved::{apart, baked, furthest_from_one, mean, of_object, range, sol
 fn furnace_near_reflectance_one() {
     let settings = BakeSettings {
         max_reflectance: 0.9995,
+        refine: false,
         ..BakeSettings::BALANCED
     };
     let size = Vec3::new(2.0, 1.0, 3.0);
@@ -52,7 +53,10 @@ fn lit_room(reflectance: f32) -> Scene {
 /// the report says so: 1 and more for `max_reflectance`, less than 0 for 0.
 #[test]
 fn impossible_reflectance() {
-    let settings = BakeSettings::DRAFT;
+    let settings = BakeSettings {
+        refine: false,
+        ..BakeSettings::DRAFT
+    };
     for (impossible, possible, note) in [
         (1.0, settings.max_reflectance, "were clamped"),
         (1.5, settings.max_reflectance, "lies outside 0..1"),
@@ -77,6 +81,7 @@ fn impossible_reflectance() {
 fn reflectance_beyond_the_solver() {
     let settings = BakeSettings {
         max_reflectance: 1.0_f32.next_down(),
+        refine: false,
         ..BakeSettings::DRAFT
     };
     let mut s = lit_room(1.0);
@@ -111,7 +116,13 @@ fn plates(emission: f32, sky: f32) -> Scene {
 fn open_plates() {
     let factor = 0.199_824_9;
     for (emission, sky, share) in [(1.0, 0.0, factor), (0.0, 1.0, 1.0 - factor)] {
-        let light = solved(plates(emission, sky), &BakeSettings::FINAL);
+        let light = solved(
+            plates(emission, sky),
+            &BakeSettings {
+                refine: false,
+                ..BakeSettings::FINAL
+            },
+        );
         let arrived = mean(of_object(&light, 0), |e| e.direct.x);
         assert!(apart(arrived, share) < 2e-3, "{arrived}, {share}");
         let energy = &light.report.energy;
@@ -146,13 +157,25 @@ fn open_furnace() {
         objects.extend(room(Vec3::splat(0.7), 2, [0; 6]).into_iter().skip(2));
         let mut s = scene(objects, vec![material]);
         s.sky = Vec3::ONE;
-        let light = solved(s.clone(), &BakeSettings::BALANCED);
+        let light = solved(
+            s.clone(),
+            &BakeSettings {
+                refine: false,
+                ..BakeSettings::BALANCED
+            },
+        );
         let escaping = (0..light.elements.len())
             .filter(|&e| light.row_sum(e) < 1.0)
             .count();
         assert!(2 * escaping > light.elements.len(), "not an open scene");
         assert!(furthest_from_one(&light) < 1e-3, "{rho}");
-        for v in values(&baked(s, &BakeSettings::BALANCED)) {
+        for v in values(&baked(
+            s,
+            &BakeSettings {
+                refine: false,
+                ..BakeSettings::BALANCED
+            },
+        )) {
             assert!((v - 1.0).abs() < 1e-3, "{rho}: {v}");
         }
     }
@@ -185,8 +208,20 @@ fn sheet(double_sided: bool) -> Scene {
 /// (What a sheet reflects: `sides` in `light`.)
 #[test]
 fn sides_of_a_sheet() {
-    let one = solved(sheet(false), &BakeSettings::DRAFT);
-    let two = solved(sheet(true), &BakeSettings::DRAFT);
+    let one = solved(
+        sheet(false),
+        &BakeSettings {
+            refine: false,
+            ..BakeSettings::DRAFT
+        },
+    );
+    let two = solved(
+        sheet(true),
+        &BakeSettings {
+            refine: false,
+            ..BakeSettings::DRAFT
+        },
+    );
     let count = of_object(&one, 0).count();
     assert_eq!(of_object(&two, 0).count(), 2 * count);
     let side = |y: f32| of_object(&two, 0).filter(move |e| e.normal.y * y > 0.0);
@@ -217,7 +252,13 @@ fn two_sides_alike() {
         2,
     ));
     let s = scene(objects, vec![grey(0.5, 0.0), grey(0.5, 1.0), paper]);
-    let light = solved(s, &BakeSettings::BALANCED);
+    let light = solved(
+        s,
+        &BakeSettings {
+            refine: false,
+            ..BakeSettings::BALANCED
+        },
+    );
     let side = |y: f32| of_object(&light, 6).filter(move |e| e.normal.y * y > 0.0);
     let [front, back] = [1.0, -1.0].map(|y| mean(side(y), |e| e.irradiance.x));
     assert!(apart(front, back) < 0.01, "{front}, {back}");

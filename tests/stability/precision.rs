@@ -46,7 +46,10 @@ fn irradiance(light: &ElementLight) -> Vec<f32> {
 /// 0.3 % of an element's light. (Powers of two, bit for bit: `scale` in `bad_input`.)
 #[test]
 fn unit_of_length() {
-    let settings = BakeSettings::DRAFT;
+    let settings = BakeSettings {
+        refine: false,
+        ..BakeSettings::DRAFT
+    };
     let elements = irradiance(&solved(furnished(), &settings));
     let vertices = values(&baked(furnished(), &settings));
     for factor in [1e-4, 1e-2, 1e3, 1e6] {
@@ -64,7 +67,10 @@ fn unit_of_length() {
 /// `far_from_the_origin` in `bad_input`.)
 #[test]
 fn rounded_far_from_the_origin() {
-    let settings = BakeSettings::DRAFT;
+    let settings = BakeSettings {
+        refine: false,
+        ..BakeSettings::DRAFT
+    };
     let elements = solved(furnished(), &settings);
     let vertices = values(&baked(furnished(), &settings));
     for distance in [1e3_f32, 1e4, 1e5] {
@@ -88,6 +94,7 @@ fn many_rays() -> BakeSettings {
     BakeSettings {
         elements: 2_000,
         element_rays: 1024,
+        refine: false,
         ..BakeSettings::BALANCED
     }
 }
@@ -193,6 +200,7 @@ fn small_box_on_a_large_floor() {
         let settings = BakeSettings {
             elements: 500,
             element_rays: 4096,
+            refine: false,
             ..BakeSettings::BALANCED
         };
         let light = solved(s, &settings);

@@ -21,15 +21,19 @@ pub struct StaticLighting {
     pub receives: bool,
     /// Reflects light onto others. What does not is black to them; it still emits.
     pub reflects: bool,
+    /// May get more vertices where its light needs them, if
+    /// [`BakeSettings::refine`](crate::radiosity::BakeSettings::refine) says so for the scene.
+    pub refine: bool,
 }
 
 impl Default for StaticLighting {
-    /// Casts, receives and reflects.
+    /// Casts, receives and reflects, with vertices where the light needs them.
     fn default() -> Self {
         Self {
             casts: true,
             receives: true,
             reflects: true,
+            refine: true,
         }
     }
 }

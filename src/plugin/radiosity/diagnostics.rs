@@ -24,6 +24,7 @@ impl RadiosityDiagnostics {
     /// Milliseconds of a stage; 0 if the bake did not need it.
     pub const fn stage(stage: Stage) -> DiagnosticPath {
         DiagnosticPath::const_new(match stage {
+            Stage::Contacts => "radiosity/contacts",
             Stage::Mesh => "radiosity/mesh",
             Stage::Occlusion => "radiosity/occlusion",
             Stage::FirstLook => "radiosity/first_look",
@@ -31,7 +32,9 @@ impl RadiosityDiagnostics {
             Stage::Direct => "radiosity/direct",
             Stage::Solve => "radiosity/solve",
             Stage::Error => "radiosity/sampling_error",
+            Stage::Refine => "radiosity/refine",
             Stage::Gather => "radiosity/gather",
+            Stage::Shadows => "radiosity/shadows",
             Stage::Fit => "radiosity/fit",
             Stage::Preview => "radiosity/preview",
         })

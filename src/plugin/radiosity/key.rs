@@ -74,6 +74,10 @@ fn hash_settings(state: &mut impl Hasher, bake: &BakeSettings) {
     // Named one by one: a setting that is new has to be put here.
     let BakeSettings {
         max_edge,
+        refine,
+        error,
+        max_vertices,
+        max_seconds,
         elements,
         adapt,
         form_factors,
@@ -90,6 +94,7 @@ fn hash_settings(state: &mut impl Hasher, bake: &BakeSettings) {
         seed,
     } = *bake;
     let counts = [
+        max_vertices,
         elements,
         element_rays,
         gather_rays,
@@ -98,15 +103,17 @@ fn hash_settings(state: &mut impl Hasher, bake: &BakeSettings) {
         seed,
     ];
     counts.hash(state);
-    (form_factors, adapt, sample_emitters, max_memory).hash(state);
+    (form_factors, refine, adapt, sample_emitters, max_memory).hash(state);
     std::mem::discriminant(&solver).hash(state);
     if let Solver::Sor { omega } = solver {
         hash_floats(state, &[omega]);
     }
-    max_edge.map(f32::to_bits).hash(state);
+    [max_edge, max_seconds]
+        .map(|s| s.map(f32::to_bits))
+        .hash(state);
     hash_floats(
         state,
-        &[samples_per_vertex, solver_tolerance, max_reflectance],
+        &[error, samples_per_vertex, solver_tolerance, max_reflectance],
     );
 }
 

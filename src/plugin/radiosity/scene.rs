@@ -106,6 +106,7 @@ fn object(found: &FoundObject, name: String, data: MeshData, material: MaterialI
         casts: found.effect.casts && !adds_light(found.material.asset.alpha_mode),
         receives: found.effect.receives,
         reflects: found.effect.reflects,
+        refine: found.effect.refine,
     }
 }
 

@@ -64,6 +64,10 @@ impl Default for RadiositySettings {
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub struct BakeSettingsReflect {
     pub max_edge: Option<f32>,
+    pub refine: bool,
+    pub error: f32,
+    pub max_vertices: u32,
+    pub max_seconds: Option<f32>,
     pub elements: u32,
     pub adapt: bool,
     #[reflect(remote = FormFactorsReflect)]

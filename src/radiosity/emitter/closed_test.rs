@@ -7,6 +7,7 @@ use crate::radiosity::bvh::BvhQuality;
 use crate::radiosity::element::{ElementId, Elements};
 use crate::radiosity::emitter_tree::EmitterTree;
 use crate::radiosity::form_factor::{clip, point_to_polygon};
+use crate::radiosity::layout::Layout;
 use crate::radiosity::occlusion::{Hierarchy, Holds, NO_TRIANGLE, OFFSET, Occluders};
 use crate::radiosity::scene::{
     AlphaMode, Material, MaterialId, Object, Scene, Texture, TextureId, TextureRef, Wrap,
@@ -28,11 +29,18 @@ fn on_stage(scene: Scene, elements: u32, ask: impl Fn(&Stage)) {
     let scene = scene.validate().expect("a scene to bake");
     let pyramids = Pyramids::new(&scene, None);
     let surfaces = Surfaces::new(&scene, &pyramids);
-    let target = Elements::target(&scene, elements);
-    let elements = Elements::new(&scene, &surfaces, target, 0.9);
+    let settings = BakeSettings {
+        elements,
+        ..BakeSettings::BALANCED
+    };
+    let layout = Layout::even(&scene, &settings);
+    let elements = Elements::new(&scene, &surfaces, &layout, 0.9);
     let hierarchy = Hierarchy::new(&scene, &surfaces, Holds::Casting, BvhQuality::Quick);
     let occluders = Occluders::new(&hierarchy, &surfaces);
-    let settings = BakeSettings::BALANCED;
+    let settings = BakeSettings {
+        refine: false,
+        ..BakeSettings::BALANCED
+    };
     let tree = EmitterTree::new(&scene, &elements, &occluders, &settings, &());
     let tree = tree.expect("nobody cancels");
     assert!(tree.few() && tree.len() > 0);
@@ -57,7 +65,10 @@ impl Stage<'_> {
 
     /// Light (irradiance / π) at each receiver of a group, and how many rays that took.
     fn light(&self, receivers: &[Receiver], rays: u32, seed: u32) -> (Vec<f64>, u64) {
-        let settings = BakeSettings::BALANCED;
+        let settings = BakeSettings {
+            refine: false,
+            ..BakeSettings::BALANCED
+        };
         let emitters = Emitters::at_samples(self.tree, &settings);
         let receivers: Vec<_> = (0..).zip(receivers.iter().copied()).collect();
         let group = Group {

@@ -215,6 +215,7 @@ mod tests {
         let scene = scene.validate().expect("a scene to bake");
         let settings = BakeSettings {
             elements: 60,
+            refine: false,
             ..BakeSettings::DRAFT
         };
         let pyramids = Pyramids::new(&scene, None);

@@ -288,7 +288,15 @@ mod tests {
     fn closed_rooms_are_seen_from_within_or_through_their_walls() {
         for double_sided in [false, true] {
             let scene = room(double_sided).validate().unwrap();
-            let bake = bake(&scene, &BakeSettings::DRAFT, &()).unwrap();
+            let bake = bake(
+                &scene,
+                &BakeSettings {
+                    refine: false,
+                    ..BakeSettings::DRAFT
+                },
+                &(),
+            )
+            .unwrap();
             let settings = PreviewSettings {
                 width: 40,
                 height: 30,
@@ -303,7 +311,15 @@ mod tests {
     #[test]
     fn closed_rooms_of_double_sided_walls_are_seen_from_within() {
         let scene = room(true).validate().unwrap();
-        let bake = bake(&scene, &BakeSettings::DRAFT, &()).unwrap();
+        let bake = bake(
+            &scene,
+            &BakeSettings {
+                refine: false,
+                ..BakeSettings::DRAFT
+            },
+            &(),
+        )
+        .unwrap();
         let pyramids = super::super::Pyramids::new(&scene, None);
         let surfaces = super::super::Surfaces::new(&scene, &pyramids);
         let hierarchy = super::super::Hierarchy::new(

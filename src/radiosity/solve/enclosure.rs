@@ -129,6 +129,7 @@ impl Enclosure {
             solver,
             solver_tolerance: tolerance,
             max_sweeps: sweeps,
+            refine: false,
             ..BakeSettings::DRAFT
         };
         solve(&self.system(), &settings, None, &ALONE).unwrap()

@@ -206,6 +206,7 @@ fn a_start_at_the_solution_is_enough() {
         let settings = BakeSettings {
             solver: first.report.solver,
             solver_tolerance: 2e-3,
+            refine: false,
             ..BakeSettings::DRAFT
         };
         let start = Some(first.reflected);
@@ -225,6 +226,7 @@ fn giving_up_is_asked_for_often() {
         let settings = BakeSettings {
             solver,
             solver_tolerance: 1e-5,
+            refine: false,
             ..BakeSettings::DRAFT
         };
         // How often it asks to the end, and that each of these is heard.
@@ -298,6 +300,7 @@ fn light_is_shown_after_powers_of_two_and_often_after_that() {
     let settings = BakeSettings {
         solver: Solver::ProgressiveRefinement,
         solver_tolerance: 1e-3,
+        refine: false,
         ..BakeSettings::DRAFT
     };
     let report = solve(&enclosure.system(), &settings, None, &watch)

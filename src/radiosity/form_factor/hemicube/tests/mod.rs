@@ -44,6 +44,7 @@ fn settings(elements: u32, seed: u32) -> BakeSettings {
     BakeSettings {
         elements,
         seed,
+        refine: false,
         ..BakeSettings::BALANCED
     }
 }
