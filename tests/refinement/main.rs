@@ -11,6 +11,12 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on panics")]
 
+mod asked;
+mod budgets;
+#[path = "../common/mod.rs"]
+mod common;
 #[path = "../common/known/mod.rs"]
 mod known;
+mod leaks;
 mod truth;
+mod watertight;

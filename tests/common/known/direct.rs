@@ -10,8 +10,8 @@ const PANEL_POINTS: u32 = 24;
 /// Farther off than anything.
 const FAR: f64 = 1e4;
 
-/// How far before its face a point is tested, in metres.
-const LIFT: f64 = 1e-7;
+/// How far before its face a point is tested, in metres: more than rounding to `f32` moves it.
+const LIFT: f64 = 2e-6;
 
 /// Light that arrives without a bounce, but for the sky's: in closed form, what is seen by tests
 /// against every face.
@@ -86,6 +86,13 @@ impl Direct {
     fn sees(&self, from: DVec3, to: DVec3) -> bool {
         let between = |face: &Polygon| face.met(from, to).is_some_and(|t| t < 1.0 - 1e-9);
         !self.faces.iter().any(between)
+    }
+
+    /// How far it is from a point, straight on, to the next face.
+    pub(crate) fn clearance(&self, point: DVec3, normal: DVec3) -> f64 {
+        let from = point + normal * LIFT;
+        let met = self.faces.iter().filter_map(|f| f.met(from, from + normal * FAR));
+        met.fold(1.0, f64::min) * FAR
     }
 
     /// Whether a point lies inside a block or under it: what it sees first is a back.

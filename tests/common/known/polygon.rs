@@ -67,9 +67,27 @@ impl Polygon {
         (a - margin).cmple(d).all() && (c - margin).cmple(b).all()
     }
 
-    /// Its parts on the two sides of a plane; one part if the plane does not cross it.
+    /// Its parts in a grid of cells of about a size, along the axes.
+    pub(crate) fn cells(&self, size: f64) -> Vec<Self> {
+        let [low, high] = self.bounds();
+        let lines = DVec3::AXES.into_iter().flat_map(|axis| {
+            let (from, along) = (axis.dot(low), axis.dot(high - low));
+            let count = (along / size).ceil() as u32;
+            (1..count).map(move |i| (axis, from + along * f64::from(i) / f64::from(count)))
+        });
+        lines.fold(vec![self.clone()], |cells, (axis, at)| {
+            let cut = |cell: Self| cell.cut_by(|p| axis.dot(p) - at);
+            cells.into_iter().flat_map(cut).collect()
+        })
+    }
+
+    /// Its parts on the two sides of another's plane; one part if the plane does not cross it.
     pub(crate) fn cut(&self, plane: &Self) -> Vec<Self> {
-        let heights: Vec<f64> = self.corners.iter().map(|&c| plane.height(c)).collect();
+        self.cut_by(|p| plane.height(p))
+    }
+
+    fn cut_by(&self, height: impl Fn(DVec3) -> f64) -> Vec<Self> {
+        let heights: Vec<f64> = self.corners.iter().map(|&c| height(c)).collect();
         let side = |sign: f64| heights.iter().any(|h| h * sign > ON_PLANE);
         if !side(1.0) || !side(-1.0) {
             return vec![self.clone()];

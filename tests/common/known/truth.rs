@@ -6,8 +6,13 @@ use super::layout::{Corners, Layout, Part, Source};
 use super::polygon::Polygon;
 use super::shown::{Lit, Shown, lit};
 
-/// Faces nearer to each other than this cut each other, in metres.
-const TOUCHING: f64 = 2e-3;
+/// Faces nearer to each other than this cut each other, in metres: light changes along the outline
+/// of what hovers as well.
+const NEAR: f64 = 0.12;
+
+/// Cells in a spacing where a face lies nearer than that to another. Narrower gaps than a cell is
+/// high are dark.
+const CELLS_IN_GAPS: f64 = 4.0;
 
 /// How far before its lamp a panel shines, in metres.
 const BEFORE_LAMP: f32 = 1e-4;
@@ -44,7 +49,7 @@ impl Truth {
     pub(crate) fn find(layout: &Layout, care: Care) -> Result<Self, BakeError> {
         let (direct, polygons) = (Direct::new(layout), layout.polygons());
         let outlines: Vec<Vec<Polygon>> = (polygons.iter())
-            .map(|face| pieces(face, &polygons))
+            .map(|face| pieces(face, &polygons, &direct, care))
             .collect();
         let hidden = |p: &Polygon| direct.buried(p.middle(), p.normal);
         let scene = bounces(layout, &outlines, hidden);
@@ -86,19 +91,26 @@ impl Truth {
     }
 }
 
-/// A face cut along all planes of faces that touch it.
-fn pieces(face: &Polygon, all: &[Polygon]) -> Vec<Polygon> {
-    let near = all.iter().filter(|other| other.near(face, TOUCHING));
-    near.fold(vec![face.clone()], |pieces, other| {
-        let cut = |piece: Polygon| {
-            if other.near(&piece, TOUCHING) {
-                piece.cut(other)
-            } else {
-                vec![piece]
-            }
+/// A face cut along all planes of faces that are near, and into cells where it lies in a gap.
+fn pieces(face: &Polygon, all: &[Polygon], direct: &Direct, care: Care) -> Vec<Polygon> {
+    let spacing = f64::from(care.spacing);
+    let near = all.iter().filter(|other| other.near(face, NEAR));
+    let pieces = near.fold(vec![face.clone()], |pieces, other| {
+        let cut = |piece: Polygon| match other.near(&piece, NEAR) {
+            true => piece.cut(other),
+            false => vec![piece],
         };
         pieces.into_iter().flat_map(cut).collect()
-    })
+    });
+    let cells = |piece: Polygon| {
+        let (middle, cell) = (piece.middle(), spacing / CELLS_IN_GAPS);
+        let in_gap = (cell..spacing).contains(&direct.clearance(middle, piece.normal));
+        match in_gap && !direct.buried(middle, piece.normal) {
+            true => piece.cells(cell),
+            false => vec![piece],
+        }
+    };
+    pieces.into_iter().flat_map(cells).collect()
 }
 
 /// The scene in pieces, without the direct light of sources: lamps are panels before dark faces.
@@ -180,7 +192,7 @@ impl Care {
             element_rays: 128,
             gather_rays: 64,
             samples_per_vertex: 16.0,
-            emitter_rays: 64,
+            emitter_rays: 24,
             solver_tolerance: 1e-4,
             seed: 7000 + seed,
             ..BakeSettings::FINAL
