@@ -34,17 +34,19 @@ pub(super) fn info_command(
     // A file that cannot be baked is described all the same, and then it is said why.
     let loaded = Loaded::check(file)?;
     extent(out, &loaded.scene)?;
-    let mut settings = args.settings.settings();
-    if args.settings.no_refine {
-        settings.max_edge = None;
-    }
+    let settings = args.settings.settings();
     let scene = &loaded.scene;
     let (found, threads) = on_threads(args.settings.threads, |threads| {
         let progress = Progress::new(session, true);
         let found: Result<Estimate, BakeError> = estimate(scene, &settings, &progress);
         Ok((found?, threads))
     })?;
-    cost(out, args.settings.preset, &found, threads)?;
+    cost(
+        out,
+        (args.settings.preset, settings.refine),
+        &found,
+        threads,
+    )?;
     list(out, "notes", &loaded.notes)?;
     list(out, "mended", loaded.scene.notes())?;
     Ok(())
@@ -169,10 +171,20 @@ fn extent(out: &mut dyn Write, scene: &ValidScene) -> io::Result<()> {
     writeln!(out, "extent: {x} x {y} x {z} m")
 }
 
-fn cost(out: &mut dyn Write, preset: Preset, found: &Estimate, threads: usize) -> io::Result<()> {
+fn cost(
+    out: &mut dyn Write,
+    (preset, refine): (Preset, bool),
+    found: &Estimate,
+    threads: usize,
+) -> io::Result<()> {
     writeln!(out, "\na bake with the preset {}", preset.name())?;
     let mut row = |name: &str, value: String| writeln!(out, "  {name:<10} {value}");
-    row("vertices", count(found.vertices))?;
+    let and_more = if refine {
+        " given; the light asks for more, which is not known before and not in the figures below"
+    } else {
+        ""
+    };
+    row("vertices", count(found.vertices) + and_more)?;
     row("elements", count(found.elements))?;
     row("samples", format!("about {}", count(found.samples)))?;
     let rays = found.rays + found.shadow_rays;

@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use super::args::BakeArgs;
 use super::bake::Made;
 use super::outputs::Outputs;
-use crate::radiosity::{BakeSettings, Counts, DirectLight, FormFactors, Report, Solver};
+use crate::radiosity::{BakeSettings, Counts, DirectLight, FormFactors, Report, Solver, Stopped};
 
 /// The report as JSON. `docs/file_formats.md` documents the keys; they stay as they are.
 pub(super) fn report_json(args: &BakeArgs, outputs: &Outputs, made: &Made) -> String {
@@ -40,6 +40,14 @@ pub(super) fn report_json(args: &BakeArgs, outputs: &Outputs, made: &Made) -> St
             "near_pairs": report.form_factors.near_pairs,
         },
         "solver": solver(report),
+        "error": {
+            "total": report.error.total,
+            "meshing": report.error.meshing,
+            "sampling": report.error.sampling,
+            "elements": report.error.elements,
+            "solver": report.error.solver,
+        },
+        "stopped": stopped(report.stopped),
         "element_error": report.element_error,
         "sampling_error": report.sampling_error,
         "mean_light": report.mean_light,
@@ -51,6 +59,10 @@ pub(super) fn report_json(args: &BakeArgs, outputs: &Outputs, made: &Made) -> St
 fn settings(settings: &BakeSettings, args: &BakeArgs) -> Value {
     json!({
         "max_edge": settings.max_edge,
+        "refine": settings.refine,
+        "error": settings.error,
+        "max_vertices": settings.max_vertices,
+        "max_seconds": settings.max_seconds,
         "elements": settings.elements,
         "form_factors": form_factors(settings.form_factors),
         "element_rays": settings.element_rays,
@@ -126,4 +138,15 @@ fn solver(report: &Report) -> Value {
         "residual": report.solver.residual,
         "error_bound": report.solver.error_bound,
     })
+}
+
+const fn stopped(stopped: Stopped) -> &'static str {
+    match stopped {
+        Stopped::AsGiven => "as given",
+        Stopped::Error => "error",
+        Stopped::Vertices => "vertices",
+        Stopped::Memory => "memory",
+        Stopped::Seconds => "seconds",
+        Stopped::Limit => "limit",
+    }
 }

@@ -42,6 +42,8 @@
 //! | `illumination`, `direct` | light that arrives without a bounce |
 //! | `form_factor` | rows of `F` as lists of ray hits |
 //! | `solve`, `partial` | the system solved, by one of several methods; light on its way there |
+//! | `cut` | surfaces cut where they touch or cross, before all else |
+//! | `receivers`, `refine` | vertices placed by the light: a coarse mesh for smooth light, a fine one inside it |
 //! | `gather`, `gathered`, `fit` | irradiance inside triangles, fitted by vertex values |
 //! | `first_look`, `surroundings` | where elements and rays are needed, by a coarse solution |
 //! | `element_error` | how far off elements of constant light are |

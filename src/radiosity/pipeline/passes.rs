@@ -37,9 +37,7 @@ struct Effort {
     samples: [f32; 2],
 }
 
-/// The first pass is a quick look: its meshes may leave so many times what is asked, and it takes this
-/// share of the samples.
-const FIRST_MESH: f64 = 1.0;
+/// The first pass is a quick look, with this share of the samples; later ones take no less.
 const FIRST_SAMPLES: f32 = 0.5;
 
 /// Shares of the error asked for that the later passes aim at: meshes, and samples of either kind of
@@ -99,7 +97,7 @@ impl Run<'_> {
         // The rest is for elements and solver, which passes cannot mend.
         let aim = VERTICES * f64::from(self.settings.error);
         let mut effort = Effort {
-            mesh: aim * FIRST_MESH,
+            mesh: aim,
             samples: [FIRST_SAMPLES; 2],
         };
         let mut best: Option<Pass> = None;
