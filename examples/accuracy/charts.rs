@@ -44,7 +44,7 @@ pub(crate) fn file(subject: &Subject, size: u32) -> String {
     format!("{}_{size}.svg", subject.id.to_lowercase())
 }
 
-fn axis(label: &str, format: fn(f64) -> String) -> Axis {
+pub(crate) fn axis(label: &str, format: fn(f64) -> String) -> Axis {
     Axis {
         label: label.into(),
         format,
@@ -52,7 +52,7 @@ fn axis(label: &str, format: fn(f64) -> String) -> Axis {
     }
 }
 
-fn styled(i: usize, name: &str, points: Vec<Dot>) -> Series {
+pub(crate) fn styled(i: usize, name: &str, points: Vec<Dot>) -> Series {
     let (color, marker) = STYLES[i % STYLES.len()];
     Series {
         name: name.into(),
@@ -95,7 +95,7 @@ fn monte_carlo() -> Vec<Guide> {
 }
 
 /// The front of some series, errors below the floor lifted to it.
-fn front(series: &[Series], floor: f64) -> Vec<(f64, f64)> {
+pub(crate) fn front(series: &[Series], floor: f64) -> Vec<(f64, f64)> {
     let dots = series.iter().flat_map(|s| &s.points);
     pareto(
         &dots

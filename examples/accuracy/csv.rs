@@ -125,12 +125,12 @@ fn figures(m: &Measured) -> Cells {
     cells
 }
 
-fn table<T>(header: &str, items: &[T], cells: impl Fn(&T) -> Vec<String>) -> String {
+pub(crate) fn table<T>(header: &str, items: &[T], cells: impl Fn(&T) -> Vec<String>) -> String {
     let rows = items.iter().map(|item| cells(item).join(",") + "\n");
     std::iter::once(format!("{header}\n")).chain(rows).collect()
 }
 
-fn cell(value: impl Display) -> String {
+pub(crate) fn cell(value: impl Display) -> String {
     // Some names hold commas.
     value.to_string().replace(',', ";")
 }

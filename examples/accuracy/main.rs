@@ -10,6 +10,8 @@
 //! | `metrics` | how far they are off |
 //! | `sweep` | every method with every budget on one scene |
 //! | `studies` | solvers, numbers of elements, vertices |
+//! | `refinement` | vertices placed by the light, and spread evenly |
+//! | `known` | scenes whose light is known at every point, shared with tests |
 //! | `results` | all that was measured, and who won |
 //! | `csv`, `charts`, `chart`, `svg`, `markdown`, `reading`, `text` | how it is told |
 
@@ -18,6 +20,8 @@
 mod chart;
 mod charts;
 mod csv;
+#[path = "../../tests/common/known/mod.rs"]
+mod known;
 mod markdown;
 mod measure;
 mod methods;
@@ -25,6 +29,7 @@ mod metrics;
 mod plan;
 mod reading;
 mod reference;
+mod refinement;
 mod results;
 mod scenes;
 mod studies;
@@ -49,6 +54,11 @@ fn main() -> ExitCode {
             eprintln!("{why}");
             return ExitCode::FAILURE;
         }
+    };
+    let write = if plan.only_wants("refinement") {
+        write_refinement
+    } else {
+        write
     };
     match measure(&plan).and_then(|results| write(&results, &plan.out)) {
         Ok(()) => ExitCode::SUCCESS,
@@ -93,8 +103,25 @@ fn measure(plan: &Plan) -> Result<Results, Box<dyn Error>> {
         say("vertices");
         results.at_vertices = studies::vertices(plan)?;
     }
+    if plan.wants("refinement") {
+        results.used = refinement::study(plan, say)?;
+    }
     say("measured");
     Ok(results)
+}
+
+/// Charts and table of this study alone, the other files and the report left as they are.
+fn write_refinement(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
+    std::fs::create_dir_all(folder)?;
+    std::fs::write(
+        folder.join("refinement.csv"),
+        refinement::csv(&results.used),
+    )?;
+    for (name, chart) in refinement::charts(&results.used) {
+        std::fs::write(folder.join(name), chart.draw())?;
+    }
+    eprintln!("written to {}", folder.display());
+    Ok(())
 }
 
 /// Charts and tables into a folder, the report beside it.
@@ -103,7 +130,12 @@ fn write(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
     std::fs::write(folder.join("accuracy.csv"), csv::accuracy(results))?;
     std::fs::write(folder.join("solvers.csv"), csv::solvers(&results.solved))?;
     std::fs::write(folder.join("elements.csv"), csv::elements(&results.refined))?;
-    for (name, chart) in charts::all(results) {
+    std::fs::write(
+        folder.join("refinement.csv"),
+        refinement::csv(&results.used),
+    )?;
+    let used = refinement::charts(&results.used);
+    for (name, chart) in charts::all(results).into_iter().chain(used) {
         std::fs::write(folder.join(name), chart.draw())?;
     }
     let name = folder

@@ -6,6 +6,7 @@ use crate::methods::{FAMILIES, LAMP_RAYS, SOLVERS};
 use crate::metrics::{Metrics, cost_of};
 use crate::reading::{lamps, which_when};
 use crate::reference::{Reference, SECOND_RAYS};
+use crate::refinement;
 use crate::results::{GOALS, Results};
 use crate::studies::{AT_POINTS, BY_RAYS, CONTINUUM, REFLECTANCES, Solved};
 use crate::text::{count, percent, seconds};
@@ -22,6 +23,10 @@ pub(crate) fn report(results: &Results, folder: &str) -> String {
         chapter("How many elements", &element_chapter(results, folder)),
         chapter("Memory", &memory_chapter(results, folder)),
         chapter("What is left at vertices", &vertex_chapter(results)),
+        chapter(
+            "Vertices used, and spread evenly",
+            &refinement::chapter(&results.used, folder),
+        ),
         chapter("All measures of one sweep", &all_measures(results)),
         chapter("References", &references(&results.references)),
         chapter("How it was measured", &protocol(results)),
@@ -57,13 +62,13 @@ fn row(cells: &[String]) -> String {
     format!("| {} |\n", cells.join(" | "))
 }
 
-fn table(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+pub(crate) fn table(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> String {
     let rule: Vec<String> = header.iter().map(|_| "---".into()).collect();
     let rows: String = rows.into_iter().map(|cells| row(&cells)).collect();
     row(header) + &row(&rule) + &rows
 }
 
-fn strings(cells: &[&str]) -> Vec<String> {
+pub(crate) fn strings(cells: &[&str]) -> Vec<String> {
     cells.iter().map(|&c| c.into()).collect()
 }
 

@@ -22,7 +22,7 @@ pub(crate) const USAGE: &str = "\
 Measures speed against accuracy of all methods and writes charts.
 
   --quick         a minute instead of a quarter of an hour: fewer points, shorter references
-  --only WHAT     one scene, S1 to S9, or solvers, elements or vertices
+  --only WHAT     one scene, S1 to S9, or solvers, elements, vertices or refinement
   --out FOLDER    where to write [default: docs/accuracy]";
 
 impl Plan {
@@ -61,6 +61,11 @@ impl Plan {
             .is_none_or(|only| only.eq_ignore_ascii_case(id))
     }
 
+    /// Whether nothing else is asked for.
+    pub(crate) fn only_wants(&self, id: &str) -> bool {
+        self.only.is_some() && self.wants(id)
+    }
+
     /// Of several values all, or every second one, the first among them.
     pub(crate) fn some<'a, T>(&self, all: &'a [T]) -> impl Iterator<Item = &'a T> + use<'a, T> {
         all.iter().step_by(if self.quick { 2 } else { 1 })
@@ -92,6 +97,7 @@ mod tests {
         let plan = read("--only s3 --quick --out x").unwrap();
         assert!(plan.quick && plan.wants("S3") && !plan.wants("S4"));
         assert_eq!(plan.out, PathBuf::from("x"));
+        assert!(plan.only_wants("s3") && !read("").unwrap().only_wants("s3"));
         assert!(!read("").unwrap().quick && read("").unwrap().wants("S4"));
         assert!(read("--only").is_err() && read("--fast").is_err());
     }

@@ -3,6 +3,7 @@
 use crate::methods::{FAMILIES, Family};
 use crate::metrics::{cost_of, median};
 use crate::reference::Reference;
+use crate::refinement::Used;
 use crate::scenes::Subject;
 use crate::studies::{AtVertices, Refined, Solved};
 use crate::sweep::{Measured, Point};
@@ -14,6 +15,7 @@ pub(crate) struct Results {
     pub(crate) solved: Vec<Solved>,
     pub(crate) refined: Vec<Refined>,
     pub(crate) at_vertices: Vec<AtVertices>,
+    pub(crate) used: Vec<Used>,
     pub(crate) quick: bool,
 }
 

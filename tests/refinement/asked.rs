@@ -65,9 +65,8 @@ impl Run {
 
 /// Runs all, and fails if more than the given share of them misses.
 fn ask(scenes: &[usize], seeds: u32, errors: &[f32], may_miss: f64) {
-    let mut table = String::from(
-        "scene                asked    true estimated vertices seconds  stopped by\n",
-    );
+    let mut table =
+        String::from("scene                asked    true estimated vertices seconds  stopped by\n");
     let (mut missed, mut runs) = (0, 0);
     for &scene in scenes {
         for &error in errors {
@@ -81,7 +80,10 @@ fn ask(scenes: &[usize], seeds: u32, errors: &[f32], may_miss: f64) {
     }
     eprintln!("{table}{missed} of {runs} missed");
     let allowed = (f64::from(runs) * may_miss).floor();
-    assert!(f64::from(missed) <= allowed, "{missed} of {runs} missed\n{table}");
+    assert!(
+        f64::from(missed) <= allowed,
+        "{missed} of {runs} missed\n{table}"
+    );
 }
 
 /// A dozen runs, all of which keep what they promise.

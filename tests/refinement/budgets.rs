@@ -33,7 +33,10 @@ fn vertices_are_kept_and_used() {
             let used = vertices(&baked);
             assert_eq!(baked.report.stopped, Stopped::Vertices);
             assert!(used <= allowed as usize, "{used} of {allowed}");
-            assert!(used as f64 >= 0.95 * f64::from(allowed), "{used} of {allowed}");
+            assert!(
+                used as f64 >= 0.95 * f64::from(allowed),
+                "{used} of {allowed}"
+            );
         }
     }
 }
@@ -90,7 +93,11 @@ fn memory_is_kept() {
     let allowed = free.report.bytes / 2;
     let kept = run(&scene, &settings(allowed));
     assert_eq!(kept.report.stopped, Stopped::Memory);
-    assert!(kept.report.bytes <= allowed, "{} of {allowed}", kept.report.bytes);
+    assert!(
+        kept.report.bytes <= allowed,
+        "{} of {allowed}",
+        kept.report.bytes
+    );
     assert!(vertices(&kept) < vertices(&free));
 }
 
@@ -106,7 +113,11 @@ fn the_error_ends_the_bake() {
         };
         let report = run(&scene, &settings).report;
         assert_eq!(report.stopped, Stopped::Error);
-        assert!(report.error.total > 0.0 && report.error.total <= 0.1, "{:?}", report.error);
+        assert!(
+            report.error.total > 0.0 && report.error.total <= 0.1,
+            "{:?}",
+            report.error
+        );
     }
 }
 
@@ -127,11 +138,22 @@ fn any_number_of_threads_gives_the_same_bytes() {
             },
         ] {
             let on = |threads: usize| {
-                let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let pool = ThreadPoolBuilder::new()
+                    .num_threads(threads)
+                    .build()
+                    .unwrap();
                 let baked = pool.install(|| run(&scene, &settings));
                 let objects = baked.objects.into_iter();
                 objects
-                    .map(|o| (o.light.iter().map(|l| l.to_array().map(f32::to_bits)).collect(), o.mesh))
+                    .map(|o| {
+                        (
+                            o.light
+                                .iter()
+                                .map(|l| l.to_array().map(f32::to_bits))
+                                .collect(),
+                            o.mesh,
+                        )
+                    })
                     .collect::<Vec<(Vec<_>, _)>>()
             };
             let one = on(1);

@@ -57,13 +57,20 @@ fn no_light_behind_the_wall(layout: &Layout, thickness: f32, settings: &BakeSett
     let end = f64::from(WALL + thickness);
     let points = in_the_dark(layout, end);
     assert!(points.len() > 2000, "{}", points.len());
-    let floor = layout.polygons().iter().position(|p| p.normal.y > 0.5).unwrap();
+    let floor = layout
+        .polygons()
+        .iter()
+        .position(|p| p.normal.y > 0.5)
+        .unwrap();
     let bright = luminance(shown[floor].at(dvec3(1.5, 0.0, 1.0)).unwrap());
     assert!(bright > 0.1);
     for (face, p) in points {
         let light = luminance(shown[face].at(p).unwrap());
         let name = layout.name;
-        assert!(light <= 1e-4 * bright, "{name}, {thickness}: {light} at {p} of face {face}");
+        assert!(
+            light <= 1e-4 * bright,
+            "{name}, {thickness}: {light} at {p} of face {face}"
+        );
     }
 }
 
@@ -101,7 +108,11 @@ fn no_light_behind_a_wall_where_meshes_end() {
         let halves = |face: &[glam::Vec3; 4]| {
             [low, high].map(|(a, b)| face.map(|c| c.with_x(c.x.clamp(a, b))))
         };
-        part.faces = split.into_iter().flat_map(halves).chain(whole.into_iter().copied()).collect();
+        part.faces = split
+            .into_iter()
+            .flat_map(halves)
+            .chain(whole.into_iter().copied())
+            .collect();
     }
     // Of each part the half in the dark: a vertex under the wall has one value.
     let mut dark = layout.clone();
@@ -110,7 +121,9 @@ fn no_light_behind_a_wall_where_meshes_end() {
         dark.faces.retain(|f| middle(f) > WALL);
         part.faces.retain(|f| middle(f) <= WALL);
     }
-    layout.parts.extend(dark.parts.into_iter().filter(|p| !p.faces.is_empty()));
+    layout
+        .parts
+        .extend(dark.parts.into_iter().filter(|p| !p.faces.is_empty()));
     no_light_behind_the_wall(&layout, 0.0, &BakeSettings::DRAFT);
 }
 
@@ -122,7 +135,11 @@ fn light_at_the_foot_of_a_hovering_block() {
     let Known { layout, truth } = known(1);
     let shown = baked(layout, &refined());
     let [low, size] = HOVERING.map(|v| v.as_dvec3());
-    let floor = layout.polygons().iter().position(|p| p.normal.y > 0.5).unwrap();
+    let floor = layout
+        .polygons()
+        .iter()
+        .position(|p| p.normal.y > 0.5)
+        .unwrap();
     let lit = |p: DVec3| {
         let known = luminance(truth.at(floor, p).unwrap());
         (luminance(shown[floor].at(p).unwrap()), known)
@@ -132,7 +149,10 @@ fn light_at_the_foot_of_a_hovering_block() {
     for (i, j) in (0..400).map(|k| (k % 20, k / 20)) {
         let p = dvec3(low.x + size.x * along(i), 0.0, low.z + size.z * along(j));
         let (found, known) = lit(p);
-        assert!(found <= known + 0.01 * bright, "under the block at {p}: {found}, true {known}");
+        assert!(
+            found <= known + 0.01 * bright,
+            "under the block at {p}: {found}, true {known}"
+        );
     }
     for (i, off) in (0..20).flat_map(|i| [0.01, 0.03].map(|off| (i, off))) {
         let (x, z) = (low.x + size.x * along(i), low.z + size.z * along(i));

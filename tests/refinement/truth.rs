@@ -74,7 +74,9 @@ fn chance_leaves_a_few_thousandths() {
 #[test]
 fn the_cornell_box_agrees_with_mitsuba() {
     let Known { layout, truth } = known(4);
-    let asset = load(Path::new("assets/scenes/cornell_box.glb")).unwrap().scene;
+    let asset = load(Path::new("assets/scenes/cornell_box.glb"))
+        .unwrap()
+        .scene;
     let (mut square, mut gain, mut sum, mut count) = (0.0, 0.0, 0.0, 0);
     let lines = include_str!("../data/cornell_box_mitsuba.csv").lines();
     for line in lines.filter(|line| !line.starts_with('#')) {
@@ -153,7 +155,11 @@ fn errors_are_found() {
     assert!(judge(truth, &points).rmse < 1e-12);
     let (mut square, mut sum, mut area) = (0.0, 0.0, 0.0);
     for s in &mut points {
-        (square, sum, area) = (square + s.area * s.found * s.found, sum + s.area * s.found, area + s.area);
+        (square, sum, area) = (
+            square + s.area * s.found * s.found,
+            sum + s.area * s.found,
+            area + s.area,
+        );
         s.found *= 1.1;
     }
     let off = judge(truth, &points);

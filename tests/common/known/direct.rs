@@ -50,7 +50,12 @@ impl Direct {
                 let to = position.as_dvec3() - point;
                 let cosine = normal.dot(to.normalize());
                 let lit = cosine > 0.0 && self.sees(from, position.as_dvec3());
-                light.as_dvec3() * if lit { cosine / to.length_squared() } else { 0.0 }
+                light.as_dvec3()
+                    * if lit {
+                        cosine / to.length_squared()
+                    } else {
+                        0.0
+                    }
             }
             Source::Panel { corners, radiance } => {
                 radiance.as_dvec3() * self.panel(from, normal, corners.map(Vec3::as_dvec3))
@@ -79,7 +84,11 @@ impl Direct {
                 seen += brings;
             }
         }
-        if whole > 0.0 { factor * seen / whole } else { 0.0 }
+        if whole > 0.0 {
+            factor * seen / whole
+        } else {
+            0.0
+        }
     }
 
     /// Whether nothing stands between two points. A face that one of them lies on does not.
@@ -91,7 +100,10 @@ impl Direct {
     /// How far it is from a point, straight on, to the next face.
     pub(crate) fn clearance(&self, point: DVec3, normal: DVec3) -> f64 {
         let from = point + normal * LIFT;
-        let met = self.faces.iter().filter_map(|f| f.met(from, from + normal * FAR));
+        let met = self
+            .faces
+            .iter()
+            .filter_map(|f| f.met(from, from + normal * FAR));
         met.fold(1.0, f64::min) * FAR
     }
 

@@ -41,7 +41,12 @@ pub(crate) fn measure(layout: &Layout, truth: &Truth, baked: &Bake, points: usiz
 pub(crate) fn judge(truth: &Truth, samples: &[Sample]) -> Off {
     let compare = |s: &Sample| {
         let known = luminance(truth.at(s.face, s.position)?);
-        Some([s.area, s.area * known, s.area * (s.found - known), s.area * (s.found - known).powi(2)])
+        Some([
+            s.area,
+            s.area * known,
+            s.area * (s.found - known),
+            s.area * (s.found - known).powi(2),
+        ])
     };
     let each: Vec<[f64; 4]> = samples.par_iter().filter_map(compare).collect();
     let sum = |k: usize| each.iter().map(|e| e[k]).sum::<f64>();

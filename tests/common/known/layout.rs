@@ -1,8 +1,6 @@
 use std::f32::consts::PI;
 
-use bevy_fresco::radiosity::{
-    DirectLight, Light, LightKind, Material, MaterialId, Object, Scene,
-};
+use bevy_fresco::radiosity::{DirectLight, Light, LightKind, Material, MaterialId, Object, Scene};
 use glam::Vec3;
 
 use super::polygon::Polygon;
@@ -143,7 +141,10 @@ impl Source {
             Self::Sun { direction, light } => (light * PI, LightKind::Directional { direction }),
             Self::Bulb { position, light } => {
                 let range = f32::INFINITY;
-                (light * (4.0 * PI * PI), LightKind::Point { position, range })
+                (
+                    light * (4.0 * PI * PI),
+                    LightKind::Point { position, range },
+                )
             }
             Self::Panel { corners, radiance } => panel(corners, radiance),
         };

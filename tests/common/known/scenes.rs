@@ -21,11 +21,27 @@ pub(crate) fn court() -> Layout {
         ..Layout::new("court")
     }
     .with("west", GREY, &[ground(Vec3::ZERO, vec3(3.0, 0.0, 6.0))])
-    .with("east", GREY, &[ground(vec3(3.0, 0.0, 0.0), vec3(6.0, 0.0, 6.0))])
+    .with(
+        "east",
+        GREY,
+        &[ground(vec3(3.0, 0.0, 0.0), vec3(6.0, 0.0, 6.0))],
+    )
     .with("walls", GREY, &[low_x, high_x, low_z])
-    .with("block", GREY, &block(vec3(1.1, 0.0, 3.3), vec3(2.0, 0.9, 4.3)))
-    .with("across", GREY, &block(vec3(2.6, 0.0, 1.2), vec3(3.4, 1.5, 1.9)))
-    .with("pole", GREY, &block(vec3(4.5, 0.0, 3.5), vec3(4.54, 1.8, 3.54)))
+    .with(
+        "block",
+        GREY,
+        &block(vec3(1.1, 0.0, 3.3), vec3(2.0, 0.9, 4.3)),
+    )
+    .with(
+        "across",
+        GREY,
+        &block(vec3(2.6, 0.0, 1.2), vec3(3.4, 1.5, 1.9)),
+    )
+    .with(
+        "pole",
+        GREY,
+        &block(vec3(4.5, 0.0, 3.5), vec3(4.54, 1.8, 3.54)),
+    )
     .lit_by(Source::Sun {
         direction: vec3(-0.45, -1.0, 0.3),
         light: LIGHT * 10.0,
@@ -40,7 +56,11 @@ pub(crate) fn room_with_panel() -> Layout {
     let [low, size] = HOVERING;
     Layout::new("room with a panel")
         .with("room", GREY, &inside(Vec3::ZERO, vec3(4.0, 2.6, 4.0)))
-        .with("standing", GREY, &block(vec3(2.4, 0.0, 1.1), vec3(3.1, 1.4, 1.9)))
+        .with(
+            "standing",
+            GREY,
+            &block(vec3(2.4, 0.0, 1.1), vec3(3.1, 1.4, 1.9)),
+        )
         .with("hovering", GREY, &solid(low, low + size))
         .lit_by(panel(vec3(1.9, 2.3, 1.9), 0.7))
 }
@@ -132,5 +152,11 @@ fn turned_block(corners: [[f32; 2]; 4], height: f32) -> Vec<Corners> {
 
 /// All of them but those whose light only leaks.
 pub(crate) fn lit_scenes() -> [Layout; 5] {
-    [court(), room_with_panel(), partition(), gallery(), cornell_box()]
+    [
+        court(),
+        room_with_panel(),
+        partition(),
+        gallery(),
+        cornell_box(),
+    ]
 }

@@ -74,10 +74,11 @@ impl Shown {
         let corners = || triangles.iter().flat_map(|t| t.corners);
         let origin = corners().next().unwrap_or_default();
         let flat = |p: DVec3| DVec2::new(u.dot(p - origin), v.dot(p - origin));
-        let (low, high) = corners().map(flat).fold(
-            (DVec2::INFINITY, DVec2::NEG_INFINITY),
-            |(low, high), p| (low.min(p), high.max(p)),
-        );
+        let (low, high) = corners()
+            .map(flat)
+            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
+                (low.min(p), high.max(p))
+            });
         let across = (triangles.len() as f64).sqrt().ceil().clamp(1.0, 512.0) as usize;
         let size = (high - low).max(DVec2::splat(1e-9)) / across as f64;
         let mut shown = Self {
