@@ -171,15 +171,7 @@ fn progress_starts_and_ends_every_stage_in_order() {
     let watcher = Watcher {
         seen: Mutex::new(Vec::new()),
     };
-    let result = bake(
-        &lit_room(6),
-        &BakeSettings {
-            refine: false,
-            ..BakeSettings::DRAFT
-        },
-        &watcher,
-    )
-    .unwrap();
+    let result = bake(&lit_room(6), &BakeSettings::DRAFT, &watcher).unwrap();
     let seen = watcher.seen.into_inner().unwrap();
     for stage in Stage::ALL {
         let mine: Vec<f32> = seen
@@ -228,14 +220,7 @@ fn cancelling_works_in_every_stage() {
             since: Mutex::new(None),
             asked: AtomicU32::new(0),
         };
-        let result = bake(
-            &s,
-            &BakeSettings {
-                refine: false,
-                ..BakeSettings::FINAL
-            },
-            &canceller,
-        );
+        let result = bake(&s, &BakeSettings::DRAFT, &canceller);
         assert!(matches!(result, Err(BakeError::Cancelled)), "{at:?}");
         // Far above the 100 ms it takes, so that a busy machine cannot fail this.
         let waited = canceller.since.into_inner().unwrap().unwrap().elapsed();
