@@ -74,8 +74,8 @@ impl BakeSettings {
     pub const DRAFT: Self = Self {
         max_edge: None,
         refine: true,
-        error: 0.05,
-        max_vertices: 1_000_000,
+        error: 0.06,
+        max_vertices: 30_000,
         max_seconds: None,
         elements: 4_000,
         adapt: true,
@@ -95,7 +95,8 @@ impl BakeSettings {
 
     /// The default: about 2.6 % error on the Cornell box.
     pub const BALANCED: Self = Self {
-        error: 0.02,
+        error: 0.03,
+        max_vertices: 100_000,
         elements: 8_000,
         element_rays: 48,
         gather_rays: 64,
@@ -108,7 +109,8 @@ impl BakeSettings {
     /// For shipping: about 2.4 % error on the Cornell box, where 2.2 % is the least its vertices
     /// can carry.
     pub const FINAL: Self = Self {
-        error: 0.01,
+        error: 0.015,
+        max_vertices: 300_000,
         elements: 16_000,
         element_rays: 128,
         gather_rays: 256,

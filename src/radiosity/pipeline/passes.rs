@@ -47,8 +47,8 @@ const SAMPLES: f64 = 0.5;
 
 /// Share of the aim that the noise of rays may have, and of the mesh's error that that of light with
 /// sharp edges may.
-const SMOOTH_SAMPLES: f64 = 0.35;
-const SHARP_SAMPLES: f64 = 0.35;
+const SMOOTH_SAMPLES: f64 = 0.45;
+const SHARP_SAMPLES: f64 = 0.45;
 
 /// Samples are spread so evenly that their error falls faster than by chance: as their number to the
 /// power of −0.7.
@@ -63,13 +63,13 @@ const MORE_VERTICES: usize = 8;
 const FEW_VERTICES: usize = 1024;
 
 /// A pass is of use if it leaves this share of the error of the one before, or less.
-const USEFUL: f64 = 0.95;
+const USEFUL: f64 = 0.85;
 
 /// Passes aim at this share of what is asked.
 const VERTICES: f64 = 0.9;
 
 /// Passes at most.
-const PASSES: usize = 8;
+const PASSES: usize = 6;
 
 impl Run<'_> {
     /// Light at vertices: pass after pass until it is as good as was asked, where this bake places
