@@ -1,6 +1,8 @@
 use glam::Vec3;
 
-use super::refined::{RefinedMesh, SurfacePoint, blend};
+use super::edge_rings::EdgeRings;
+use super::part::{Part, Refined, Sheet};
+use super::refined::SurfacePoint;
 use super::weld::PositionClasses;
 
 /// How often a face may be halved. Positions run out of bits at about the same depth; that this
@@ -9,21 +11,6 @@ const MAX_DEPTH: u8 = 40;
 
 /// Sides of faces are numbered with 32 bits, three a face.
 const MAX_FACES: usize = (u32::MAX / 3) as usize;
-
-/// A mesh that is refined together with others.
-#[derive(Clone, Copy, Debug)]
-pub struct Part<'a> {
-    /// Of its vertices; finite.
-    pub positions: &'a [Vec3],
-    /// Vertex indices.
-    pub triangles: &'a [[u32; 3]],
-    /// Whether its triangles may be cut at all.
-    ///
-    /// If not, nobody cuts the edges they have either. A mesh that others need not match is
-    /// better left out: a face waits for ever if its longest edge may not be cut, and so do the
-    /// neighbours that wait for that face.
-    pub refine: bool,
-}
 
 /// How far [`Conforming::bisect`] may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,26 +50,6 @@ pub enum Bisected {
     Full,
 }
 
-/// Where a vertex of a refined part comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
-    /// A vertex of the part as given.
-    Given(u32),
-    /// The midpoint of two vertices of the refined part, the lower number first. Both are lower
-    /// than the number of the midpoint.
-    Midpoint([u32; 2]),
-}
-
-/// One part, refined.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Refined {
-    /// Used vertices of the part as given come first, in their order, then midpoints in order of
-    /// making. Triangles are in the order of their sources.
-    pub mesh: RefinedMesh,
-    /// Of each vertex.
-    pub origins: Vec<Origin>,
-}
-
 /// Several meshes refined together by longest-edge bisection: see the [module](super) for why.
 ///
 /// Vertices of all parts at one place are one node, and an edge is a pair of nodes. Whatever
@@ -95,22 +62,12 @@ pub struct Refined {
 pub struct Conforming {
     sheets: Vec<Sheet>,
     faces: Vec<Face>,
-    /// Where they are; lengths are measured between these, so that all faces agree.
+    edges: EdgeRings,
+    /// Where each is; lengths are measured between these, so that all faces agree.
     nodes: Vec<Vec3>,
     vertex_count: usize,
     /// Rounded positions do not tell the halves of shorter edges well.
     shortest: f64,
-}
-
-/// A part.
-#[derive(Clone, Debug)]
-struct Sheet {
-    /// The triangles as given, in numbers of used vertices.
-    triangles: Vec<[u32; 3]>,
-    vertices: Vec<SurfacePoint>,
-    origins: Vec<Origin>,
-    positions: Vec<Vec3>,
-    nodes: Vec<u32>,
 }
 
 #[derive(Clone, Debug)]
@@ -120,10 +77,6 @@ struct Face {
     vertices: [u32; 3],
     /// Of the corners, on the source triangle.
     barycentrics: [Vec3; 3],
-    /// Of each side, the next side at the same edge. Sides at an edge form a ring (K. Weiler,
-    /// "Edge-based data structures for solid modeling in curved-surface environments", 1985).
-    /// Side `i` goes from corner `i` to the next, and has the number `3 · face + i`.
-    next: [u32; 3],
     /// The side to be cut; `None` for a face that is never cut.
     longest: Option<u8>,
     depth: u8,
@@ -163,6 +116,7 @@ impl Conforming {
         let mut conforming = Self {
             sheets,
             faces: Vec::new(),
+            edges: EdgeRings::default(),
             nodes: classes.representative,
             vertex_count: classes.class.len(),
             // `blend` rounds by up to three units of 2⁻²⁴ of the largest coordinate.
@@ -185,7 +139,6 @@ impl Conforming {
                     source: source as u32,
                     vertices: self.sheets[part].triangles[source],
                     barycentrics: Vec3::AXES,
-                    next: [first, first + 1, first + 2],
                     longest: None,
                     depth: 0,
                 };
@@ -200,9 +153,10 @@ impl Conforming {
                     }
                 }
                 self.faces.push(face);
+                self.edges.push_face();
             }
         }
-        self.link(&mut sides);
+        self.edges.link(&mut sides);
     }
 
     /// How many faces there are.
@@ -244,14 +198,26 @@ impl Conforming {
 
     /// The parts as refined so far.
     pub fn parts(&self) -> Vec<Refined> {
-        let vertices = |sheet: &Sheet| (sheet.vertices.clone(), sheet.origins.clone());
-        with_triangles(self.sheets.iter().map(vertices).collect(), &self.faces)
+        let mut parts: Vec<Refined> = self.sheets.iter().map(Sheet::refined).collect();
+        self.add_triangles(&mut parts);
+        parts
     }
 
     /// The refined parts.
-    pub fn into_parts(self) -> Vec<Refined> {
-        let vertices = |sheet: Sheet| (sheet.vertices, sheet.origins);
-        with_triangles(self.sheets.into_iter().map(vertices).collect(), &self.faces)
+    pub fn into_parts(mut self) -> Vec<Refined> {
+        let sheets = std::mem::take(&mut self.sheets);
+        let mut parts: Vec<Refined> = sheets.into_iter().map(Sheet::into_refined).collect();
+        self.add_triangles(&mut parts);
+        parts
+    }
+
+    fn add_triangles(&self, parts: &mut [Refined]) {
+        let mut order: Vec<u32> = (0..self.faces()).collect();
+        order.sort_unstable_by_key(|&face| (self.part(face), self.source(face), face));
+        for face in order {
+            let mesh = &mut parts[self.part(face) as usize].mesh;
+            mesh.push_triangle(self.source(face), self.vertices(face));
+        }
     }
 
     /// Cuts a face at the midpoint of its longest edge, and all others that have that edge. One
@@ -283,7 +249,7 @@ impl Conforming {
         let mut path = vec![3 * face + u32::from(longest)];
         while let Some(&side) = path.last() {
             let mut longer = None;
-            for other in self.ring(side) {
+            for other in self.edges.ring(side) {
                 let Some(longest) = self.faces[other as usize / 3].longest else {
                     return Bisected::Refused;
                 };
@@ -305,7 +271,7 @@ impl Conforming {
 
     /// Cuts an edge that is the longest of all its faces; `false` if there is no room.
     fn cut(&mut self, side: u32, max_vertices: usize, told: &mut dyn FnMut(Bisection)) -> bool {
-        let mut wings: Vec<Wing> = self.ring(side).map(|side| self.wing(side)).collect();
+        let mut wings: Vec<Wing> = self.edges.ring(side).map(|side| self.wing(side)).collect();
         wings.sort_unstable();
         let same_vertex = |a: &Wing, b: &Wing| (a.part, a.ends) == (b.part, b.ends);
         let count = self.vertex_count + wings.chunk_by(same_vertex).count();
@@ -315,14 +281,15 @@ impl Conforming {
         }
         let mut sides = Vec::with_capacity(4 * wings.len());
         let node = self.nodes.len() as u32;
-        self.nodes.push(self.midpoint(wings[0]).1);
+        let sheet = &self.sheets[wings[0].part as usize];
+        self.nodes.push(sheet.position(self.midpoint(wings[0])));
         for group in wings.chunk_by(same_vertex) {
             let vertex = self.add_midpoint(group[0], node);
             for wing in group {
                 told(self.halve(wing.side, vertex, &mut sides));
             }
         }
-        self.link(&mut sides);
+        self.edges.link(&mut sides);
         true
     }
 
@@ -337,28 +304,18 @@ impl Conforming {
         }
     }
 
-    fn midpoint(&self, wing: Wing) -> (SurfacePoint, Vec3) {
+    fn midpoint(&self, wing: Wing) -> SurfacePoint {
         let face = &self.faces[wing.side as usize / 3];
-        let sheet = &self.sheets[wing.part as usize];
-        let barycentrics = face.halfway(wing.side as usize % 3);
-        let source = sheet.triangles[face.source as usize];
-        let [a, b, c] = source.map(|vertex| sheet.positions[vertex as usize]);
-        let point = SurfacePoint {
+        SurfacePoint {
             triangle: face.source,
-            barycentrics,
-        };
-        (point, blend(a, b, c, barycentrics))
+            barycentrics: face.halfway(wing.side as usize % 3),
+        }
     }
 
     fn add_midpoint(&mut self, wing: Wing, node: u32) -> u32 {
-        let (point, position) = self.midpoint(wing);
-        let sheet = &mut self.sheets[wing.part as usize];
-        sheet.vertices.push(point);
-        sheet.origins.push(Origin::Midpoint(wing.ends));
-        sheet.positions.push(position);
-        sheet.nodes.push(node);
+        let point = self.midpoint(wing);
         self.vertex_count += 1;
-        (sheet.vertices.len() - 1) as u32
+        self.sheets[wing.part as usize].push_midpoint(wing.ends, point, node)
     }
 
     /// Cuts one face, and adds the sides that have new edges to `sides`, with the node at the
@@ -380,7 +337,9 @@ impl Conforming {
         half.longest = (half.depth < MAX_DEPTH).then(|| self.longest(&half));
         self.faces[f] = face;
         self.faces.push(half);
-        self.hand_on(first + j as u32, first_of_half + j as u32);
+        self.edges.push_face();
+        self.edges
+            .replace(first + j as u32, first_of_half + j as u32);
         sides.extend([
             (nodes[i], first + i as u32),
             (nodes[k], first + j as u32),
@@ -392,41 +351,6 @@ impl Conforming {
             half: first_of_half / 3,
             edge: i as u8,
         }
-    }
-
-    /// Puts one side in the place of another in its ring.
-    fn hand_on(&mut self, from: u32, to: u32) {
-        let before = self.ring(from).last().unwrap_or(from);
-        let after = self.next(from);
-        *self.next_mut(before) = to;
-        *self.next_mut(to) = if after == from { to } else { after };
-    }
-
-    /// Makes rings of the sides with the same edge.
-    fn link<Edge: Ord>(&mut self, sides: &mut [(Edge, u32)]) {
-        sides.sort_unstable();
-        for ring in sides.chunk_by(|a, b| a.0 == b.0) {
-            let mut before = ring[ring.len() - 1].1;
-            for &(_, side) in ring {
-                *self.next_mut(before) = side;
-                before = side;
-            }
-        }
-    }
-
-    /// The sides at the same edge, from `side` on.
-    fn ring(&self, side: u32) -> impl Iterator<Item = u32> {
-        std::iter::successors(Some(side), move |&at| {
-            Some(self.next(at)).filter(|&next| next != side)
-        })
-    }
-
-    fn next(&self, side: u32) -> u32 {
-        self.faces[side as usize / 3].next[side as usize % 3]
-    }
-
-    fn next_mut(&mut self, side: u32) -> &mut u32 {
-        &mut self.faces[side as usize / 3].next[side as usize % 3]
     }
 
     fn nodes_of(&self, face: &Face) -> [u32; 3] {
@@ -467,52 +391,10 @@ impl Conforming {
     }
 }
 
-impl Sheet {
-    fn new(part: &Part) -> Self {
-        let (mesh, new_index) =
-            RefinedMesh::with_used_vertices(part.positions.len(), part.triangles);
-        let used = (0..).zip(&new_index).filter(|(_, new)| new.is_some());
-        let corners = |corners: &[u32; 3]| {
-            corners.map(|vertex| new_index[vertex as usize].unwrap_or_default())
-        };
-        Self {
-            triangles: part.triangles.iter().map(corners).collect(),
-            origins: used.map(|(given, _)| Origin::Given(given)).collect(),
-            positions: mesh.positions(part.positions, part.triangles),
-            vertices: mesh.vertices,
-            nodes: Vec::new(),
-        }
-    }
-}
-
 impl Face {
     fn halfway(&self, side: usize) -> Vec3 {
         0.5 * (self.barycentrics[side] + self.barycentrics[(side + 1) % 3])
     }
-}
-
-/// Vertices of parts and the faces of all, in the order of their sources.
-fn with_triangles(vertices: Vec<(Vec<SurfacePoint>, Vec<Origin>)>, faces: &[Face]) -> Vec<Refined> {
-    let mut parts: Vec<Refined> = (vertices.into_iter())
-        .map(|(vertices, origins)| Refined {
-            mesh: RefinedMesh {
-                vertices,
-                ..RefinedMesh::default()
-            },
-            origins,
-        })
-        .collect();
-    let mut order: Vec<u32> = (0..faces.len() as u32).collect();
-    order.sort_unstable_by_key(|&face| {
-        let Face { part, source, .. } = faces[face as usize];
-        (part, source, face)
-    });
-    for face in order {
-        let face = &faces[face as usize];
-        let mesh = &mut parts[face.part as usize].mesh;
-        mesh.push_triangle(face.source, face.vertices);
-    }
-    parts
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@ use std::collections::{HashMap, HashSet};
 use proptest::prelude::*;
 
 use super::*;
+use crate::mesh::part::Origin;
+use crate::mesh::refined::blend;
 use crate::mesh::test_meshes::{Mesh, cube, grid, random, soup, unshared};
 
 const FREE: Limits = Limits {

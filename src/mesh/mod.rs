@@ -28,6 +28,32 @@
 //! lower bound on the angles of triangles constructed by bisection of the longest side",
 //! Mathematics of Computation 29, 1975): thin triangles get no thinner than that.
 //!
+//! [`split_long_edges`] is the same everywhere. [`Conforming`] cuts the faces that are asked for,
+//! of several meshes at once, and as few others as keep edges together. It cuts a face at its
+//! longest edge only, so the bound on angles holds for every face. The other faces at that edge
+//! have to be cut with it, and where it is not their longest they have to be bisected first, at
+//! an edge longer still (M.-C. Rivara, "Algorithms for refining triangular grids suitable for
+//! adaptive and multigrid techniques", International Journal for Numerical Methods in Engineering
+//! 20, 1984; "New longest-edge algorithms for the refinement and/or improvement of unstructured
+//! triangulations", the same 40, 1997):
+//!
+//! ```text
+//!   A is asked for,      B and C are cut      A and a half of B
+//!   B has a longer       at the longest       are cut at what is
+//!   edge                 edge of both         now longest for both
+//!
+//!   +-------+            +-------+            +-------+
+//!   | C   / |\           | \   / |\           | \   / |\
+//!   |   /   | A>         |   x   | A>         |   x---x->
+//!   | /   B |/           | /   \ |/           | /   \ |/
+//!   +-------+            +-------+            +-------+
+//! ```
+//!
+//! Edges on such a path get longer and longer, so it ends, and mostly after two or three faces:
+//! the sizes of neighbours cannot differ by much, because a face with a small neighbour at its
+//! longest edge would have been cut with it. So a fine spot is surrounded by faces that grow with
+//! the distance to it, and what the spot costs outside grows with the logarithm of its fineness.
+//!
 //! [`split_flat_corners`] is for meshes without normals, and comes before the splitting of edges;
 //! [`RefinedMesh::then`] makes one refinement of the two. [`PositionClasses`] finds the vertices
 //! that are one point of the surface.
@@ -36,16 +62,19 @@
 
 mod conforming;
 mod contact;
+mod edge_rings;
 mod flat;
+mod part;
 mod refined;
 mod split;
 #[cfg(test)]
 mod test_meshes;
 mod weld;
 
-pub use conforming::{Bisected, Bisection, Conforming, Limits, Origin, Part, Refined};
+pub use conforming::{Bisected, Bisection, Conforming, Limits};
 pub use contact::{ContactCuts, CutMesh, Surface, split_at_contacts};
 pub use flat::split_flat_corners;
+pub use part::{Origin, Part, Refined};
 pub use refined::{RefinedMesh, SurfacePoint};
 pub use split::{SplitError, fewest_vertices, split_long_edges};
 pub use weld::PositionClasses;
