@@ -243,7 +243,14 @@ impl Judge<'_> {
             light: &first.seen,
         };
         let (apart, rays) = apart(self.view, fine, coarse, observer)?;
-        Ok((if level > 0.0 { (apart / level) as f32 } else { 0.0 }, rays))
+        Ok((
+            if level > 0.0 {
+                (apart / level) as f32
+            } else {
+                0.0
+            },
+            rays,
+        ))
     }
 
     /// Mean light that arrives.

@@ -182,3 +182,137 @@ fn a_box_stands_on_a_floor() {
         assert!(cuts[1].is_none());
     }
 }
+
+#[test]
+fn a_box_sunk_into_a_floor_cuts_both() {
+    let (floor, block) = (
+        floor(),
+        moved(&cube(), |p| p + Vec3::new(-0.3, -0.4, -0.25)),
+    );
+    let cuts = split(&[&floor, &block]);
+    let corners = [
+        [-0.3, -0.4, 0.0],
+        [0.7, -0.4, 0.0],
+        [0.7, 0.6, 0.0],
+        [-0.3, 0.6, 0.0],
+    ];
+    for (mesh, cut) in [(&floor, &cuts[0]), (&block, &cuts[1])] {
+        let cut = cut.as_ref().expect("both are cut");
+        for k in 0..4 {
+            assert!(has_line(mesh, cut, [corners[k], corners[(k + 1) % 4]]));
+        }
+        assert_eq!(sides_at(mesh, cut, corners[0]), 2);
+    }
+}
+
+#[test]
+fn a_wall_without_thickness_parts_a_floor() {
+    let wall = quad([0.3, -2.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 1.0]);
+    for (name, meshes) in [
+        ("two", vec![floor(), wall.clone()]),
+        ("one", vec![joined(&[&floor(), &wall])]),
+    ] {
+        let cuts = split(&meshes.iter().collect::<Vec<_>>());
+        let cut = cuts[0].as_ref().expect("the floor is cut");
+        let line = [[0.3, -2.0, 0.0], [0.3, 2.0, 0.0]];
+        assert!(has_line(&meshes[0], cut, line), "{name}");
+        for y in [-2.0, 2.0] {
+            assert!(sides_at(&meshes[0], cut, [0.3, y, 0.0]) >= 2, "{name} {y}");
+        }
+    }
+}
+
+#[test]
+fn the_ends_of_a_partition_are_not_parted_and_its_middle_is() {
+    let (floor, wall) = (
+        floor(),
+        quad([0.3, -0.5, 0.0], [0.0, 0.9, 0.0], [0.0, 0.0, 1.0]),
+    );
+    let cuts = split(&[&floor, &wall]);
+    let cut = cuts[0].as_ref().expect("the floor is cut");
+    let ends = [[0.3, -0.5, 0.0], [0.3, 0.4, 0.0]];
+    assert!(has_line(&floor, cut, ends));
+    assert_eq!(ends.map(|end| sides_at(&floor, cut, end)), [1, 1]);
+    let at = positions(&floor, cut);
+    let inside = |p: &Vec3| (p.x - 0.3).abs() < 1e-4 && p.y > -0.49 && p.y < 0.39;
+    let on_line: Vec<Vec3> = at.into_iter().filter(inside).collect();
+    assert!(!on_line.is_empty());
+    for p in on_line {
+        assert_eq!(sides_at(&floor, cut, p.to_array()), 2, "{p}");
+    }
+}
+
+#[test]
+fn what_is_apart_is_left_alone() {
+    let floor = floor();
+    let far = moved(&cube(), |p| p + Vec3::Z * 4.0 * TOLERANCE);
+    assert_eq!(split(&[&floor, &far]), [None, None]);
+    assert_eq!(split(&[&cube()]), [None]);
+    assert_eq!(split(&[&grid(6, 5)]), [None]);
+}
+
+#[test]
+fn what_passes_light_cuts_nothing_and_what_is_to_stay_is_not_cut() {
+    let (floor, block) = (
+        floor(),
+        moved(&cube(), |p| p + Vec3::new(-0.3, -0.4, -0.25)),
+    );
+    let glass = Surface {
+        cuts: false,
+        ..surface(&block)
+    };
+    let fixed = Surface {
+        cut: false,
+        ..surface(&floor)
+    };
+    let of = |surfaces: [Surface; 2]| {
+        let ContactCuts { meshes, crowded } =
+            split_at_contacts(&surfaces, TOLERANCE, &|| true).expect("nobody says no");
+        assert_eq!(crowded, 0);
+        [meshes[0].is_some(), meshes[1].is_some()]
+    };
+    assert_eq!(of([surface(&floor), glass]), [false, true]);
+    assert_eq!(of([fixed, surface(&block)]), [false, true]);
+    assert_eq!(
+        split_at_contacts(&[fixed, glass], TOLERANCE, &|| false),
+        None
+    );
+}
+
+/// Turned by odd angles nothing lies along an axis any more.
+#[test]
+fn turned_scenes_are_cut_alike() {
+    let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.3, 1.1, -2.2);
+    let (floor, block) = (floor(), moved(&cube(), |p| p + Vec3::new(-0.3, -0.4, 0.0)));
+    let straight = split(&[&floor, &block]);
+    let turned = [&floor, &block].map(|mesh| moved(mesh, |p| turn * p));
+    let cuts = split(&[&turned[0], &turned[1]]);
+    let cut = cuts[0].as_ref().expect("the floor is cut");
+    let corner = (turn * Vec3::new(0.7, 0.6, 0.0)).to_array();
+    assert_eq!(sides_at(&turned[0], cut, corner), 2);
+    let count = |cut: &Option<CutMesh>| cut.as_ref().map_or(0, |c| c.mesh.triangles.len());
+    // The triangulation may differ where four points lie on a circle, the line may not.
+    assert!(count(&cuts[0]).abs_diff(count(&straight[0])) <= 2);
+}
+
+#[test]
+fn texture_seams_do_not_matter() {
+    let seamed = unshared(&floor());
+    let block = moved(&cube(), |p| p + Vec3::new(-0.3, -0.4, 0.0));
+    let cuts = split(&[&seamed, &block]);
+    let cut = cuts[0].as_ref().expect("the floor is cut");
+    assert_eq!(sides_at(&seamed, cut, [0.7, 0.6, 0.0]), 2);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever comes: the surface stays what it was, and nothing hangs.
+    #[test]
+    fn soups_of_triangles_keep_their_surface(seed in any::<u32>(), points in 6_u32..40) {
+        let mesh = soup(points, 24, seed);
+        let mut random = random(seed);
+        let other = moved(&mesh, |p| p + Vec3::splat(0.1 * random()));
+        split(&[&mesh, &other]);
+    }
+}
