@@ -245,7 +245,7 @@ fn textured_lamps_shine_by_element() {
     on_stage(scene, 10_000, |stage| {
         assert!(stage.elements.of_object(1).len() > 50);
         let floor = spread(stage, Vec3::new(-0.4, 0.0, -0.4), 0.8, 2);
-        let count = 1000;
+        let count = 200;
         let mut sums = vec![(0.0, 0.0); floor.len()];
         for seed in 0..count {
             let (light, traced) = stage.light(&floor, 32, seed);
@@ -348,9 +348,9 @@ fn penumbrae_are_not_hardened_by_rounds() {
             let (mut worst, mut traced, mut all) = (0.0_f64, 0, 0);
             for (size, step) in [1e-3, 0.05, 0.2]
                 .into_iter()
-                .flat_map(|size| (-7..7).map(move |step| (size, step)))
+                .flat_map(|size| (-15..15).map(move |step| (size, step)))
             {
-                let low = Vec3::new(0.04 * step as f32, 0.0, 0.1);
+                let low = Vec3::new(0.02 * step as f32, 0.0, 0.1);
                 let group = spread(stage, low, size, side);
                 let seeds = 300;
                 let mut found = 0.0;
@@ -364,6 +364,7 @@ fn penumbrae_are_not_hardened_by_rounds() {
                 let whole: f64 = group.iter().map(|r| stage.unshadowed(r, 1)).sum();
                 worst = worst.max(((found - truth) / whole).abs());
             }
+            eprintln!("{side}² × {rays}: {worst}, {}", traced as f64 / all as f64);
             assert!(worst < 0.005, "{side}² × {rays} rays: {worst}");
             assert!(traced < all);
         }

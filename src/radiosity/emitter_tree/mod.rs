@@ -44,12 +44,8 @@ pub(crate) struct Leaf {
     pub(crate) two_sided: bool,
     /// Live triangle or element that shines.
     pub(crate) source: u32,
-    /// The same for leaves that follow each other and are about as bright: those of an emissive
-    /// object, or of an element.
+    /// The same for leaves that are likely to be hidden together: those of an object.
     pub(crate) lamp: u32,
-    /// How bright it is beside others, and whether everywhere.
-    pub(crate) radiance: f32,
-    pub(crate) even: bool,
     /// Position in the tree.
     node: u32,
 }
@@ -108,8 +104,8 @@ impl EmitterTree {
                 if views[material] > WIDE {
                     continue;
                 }
-                let leaf = Leaf::new(scene, elements, t, two_sided);
-                powers.push(leaf.area * leaf.radiance);
+                let leaf = Leaf::new(scene, t, two_sided);
+                powers.push(leaf.area * mean_emission(elements, t, two_sided));
                 leaves.push(leaf);
             }
         }
@@ -133,8 +129,7 @@ impl EmitterTree {
         let mut powers = Vec::new();
         for e in bright {
             for (triangle, corners, normal) in elements.shape(scene, ElementId(e)) {
-                let radiance = reflected[e as usize].element_sum();
-                powers.push(area(corners) * radiance);
+                powers.push(area(corners) * reflected[e as usize].element_sum());
                 leaves.push(Leaf {
                     triangle,
                     corners,
@@ -142,9 +137,7 @@ impl EmitterTree {
                     area: area(corners),
                     two_sided: false,
                     source: e,
-                    lamp: e,
-                    radiance,
-                    even: true,
+                    lamp: scene.triangles[triangle as usize].object,
                     node: 0,
                 });
             }
@@ -261,6 +254,11 @@ impl EmitterTree {
         self.leaves.len() <= FEW
     }
 
+    /// How bright a leaf is beside others.
+    pub(crate) fn radiance(&self, leaf: &Leaf) -> f32 {
+        self.nodes[leaf.node as usize].power / leaf.area.max(f32::MIN_POSITIVE)
+    }
+
     /// Number of emissive triangles that are sampled.
     pub(crate) fn len(&self) -> usize {
         self.leaves.len()
@@ -328,13 +326,8 @@ impl EmitterTree {
 }
 
 impl Leaf {
-    fn new(scene: &ValidScene, elements: &Elements, triangle: u32, two_sided: bool) -> Self {
+    fn new(scene: &ValidScene, triangle: u32, two_sided: bool) -> Self {
         let corners = scene.corners(scene.triangles[triangle as usize]);
-        let light: Vec<Vec3> = (elements.of_triangle(triangle))
-            .map(|e| elements.emission[e as usize] * elements.coverage[e as usize])
-            .collect();
-        let sides = light.chunks(light.len() / if two_sided { 2 } else { 1 });
-        let mean = |side: &[Vec3]| side.iter().sum::<Vec3>().element_sum() / side.len() as f32;
         Self {
             triangle,
             corners,
@@ -343,10 +336,6 @@ impl Leaf {
             two_sided,
             source: triangle,
             lamp: scene.triangles[triangle as usize].object,
-            radiance: sides.clone().map(mean).fold(0.0, f32::max),
-            even: sides
-                .clone()
-                .all(|side| side.windows(2).all(|e| e[0] == e[1])),
             node: 0,
         }
     }
@@ -378,4 +367,15 @@ impl Leaf {
         let share = |part: Vec3| part.dot(area) / area.length_squared();
         [share(to.cross(across)), share(along.cross(to))]
     }
+}
+
+/// Mean over the elements of a triangle, those of its brighter side.
+fn mean_emission(elements: &Elements, triangle: u32, two_sided: bool) -> f32 {
+    let light: Vec<f32> = elements
+        .of_triangle(triangle)
+        .map(|e| elements.emission[e as usize].element_sum())
+        .collect();
+    let side = light.len() / if two_sided { 2 } else { 1 };
+    let mean = |side: &[f32]| side.iter().sum::<f32>() / side.len() as f32;
+    light.chunks(side).map(mean).fold(0.0, f32::max)
 }
