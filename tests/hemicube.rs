@@ -16,6 +16,7 @@ fn hemicube(resolution: u32, elements: u32) -> BakeSettings {
         form_factors: FormFactors::Hemicube { resolution },
         emitter_rays: 64,
         refine: false,
+        adapt: false,
         ..BakeSettings::FINAL
     }
 }

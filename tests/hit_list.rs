@@ -37,6 +37,7 @@ fn light(scene: &ValidScene, element_rays: u32, elements: u32) -> Vec<(f64, f64)
         elements,
         solver_tolerance: 1e-6,
         refine: false,
+        adapt: false,
         ..BakeSettings::BALANCED
     };
     let solved = solve_elements(scene, &settings, &()).unwrap();

@@ -280,7 +280,9 @@ fn a_cancelled_bake_leaves_everything_as_it_was() {
     let mut baker = Baker::new(SETTINGS);
     baker.bake(lit_room(), &()).unwrap();
     let resumed = baker.bake(changed.clone(), &()).unwrap();
-    for stage in Stage::ALL {
+    // A bake that resumes takes no first look, and this one keeps its vertices.
+    let skipped = [Stage::Contacts, Stage::FirstLook, Stage::Refine];
+    for stage in Stage::ALL.into_iter().filter(|s| !skipped.contains(s)) {
         for at in [0.0, 0.01, 1.0] {
             let mut baker = Baker::new(SETTINGS);
             let first = baker.bake(lit_room(), &()).unwrap();

@@ -71,6 +71,7 @@ fn settings(solver: Solver, elements: u32) -> BakeSettings {
         solver_tolerance: 1e-4,
         max_sweeps: 2000,
         refine: false,
+        adapt: false,
         ..BakeSettings::BALANCED
     }
 }

@@ -17,8 +17,10 @@ const MOST_PARTS: f64 = 8.0;
 const LEAST_RAYS: f64 = 8.0;
 const MOST_RAYS: f64 = 8.0;
 
-/// Steps to the right scale: of factors up to 10³⁰⁰ enough for a thousandth.
+/// Steps to the right scale, each of which halves the digits it may be off by: enough for one part in
+/// a thousand of it. Wishes further below the largest than this are as good as none.
 const HALVINGS: u32 = 20;
+const SMALLEST: f64 = 1e-30;
 
 /// What a first look at a scene found: the light of its patches.
 pub(crate) struct FirstLook {
@@ -75,8 +77,10 @@ impl FirstLook {
         };
         let patches = elements.iter_area().sum::<f64>() / f64::from(layout.patch);
         let parts = share_out(
-            needs.iter().map(|need| need.uneven.cbrt()).collect(),
-            (1.0, MOST_PARTS),
+            &(needs.iter())
+                .map(|need| need.uneven.cbrt())
+                .collect::<Vec<_>>(),
+            (1.0, USUAL.into(), MOST_PARTS),
             count,
             patches * f64::from(USUAL).powi(2),
         );
@@ -85,10 +89,10 @@ impl FirstLook {
         // The first look took some already.
         let spent: f64 = elements.rays.iter().map(|&rays| f64::from(rays)).sum();
         let rays = share_out(
-            (needs.iter().enumerate())
+            &(needs.iter().enumerate())
                 .map(|(i, need)| need.noisy / count(i))
-                .collect(),
-            (LEAST_RAYS.min(usual), MOST_RAYS * usual),
+                .collect::<Vec<_>>(),
+            (LEAST_RAYS.min(usual), usual, MOST_RAYS * usual),
             |i, rays| count(i) * rays,
             usual * (0..needs.len()).map(count).sum::<f64>() - spent,
         );
@@ -139,30 +143,57 @@ impl FirstLook {
     }
 }
 
-/// Whole numbers in proportion to `wishes`, within limits, that cost no more than the budget, or as
-/// little as the least do. Where nothing is wished for, all get the least.
+/// Whole numbers in proportion to `wishes`, within limits, that cost no more than the budget, or all
+/// the least where even these cost more. Where nothing is wished for, all get what is usual.
 fn share_out(
-    wishes: Vec<f64>,
-    (least, most): (f64, f64),
+    wishes: &[f64],
+    (least, usual, most): (f64, f64, f64),
     cost: impl Fn(usize, f64) -> f64,
     budget: f64,
 ) -> Vec<f64> {
-    let at = |scale: f64| {
-        let wish = move |w: &f64| (scale * w).round().clamp(least, most);
-        wishes.iter().map(wish)
-    };
-    let affordable = |scale| at(scale).enumerate().map(|(i, x)| cost(i, x)).sum::<f64>() <= budget;
-    let positive = || wishes.iter().copied().filter(|&w| w > 0.0);
+    let (smallest, largest) = (wishes.iter().filter(|w| **w > 0.0))
+        .fold((f64::INFINITY, 0.0), |(lo, hi), &w| (w.min(lo), w.max(hi)));
+    if largest == 0.0 {
+        return vec![usual; wishes.len()];
+    }
+    let share = |wish: f64, scale: f64| (scale * (wish / largest)).round().clamp(least, most);
     // Between all at the least and all at the most.
-    let mut low = 0.5 * least / positive().fold(f64::MIN_POSITIVE, f64::max);
-    let mut high = most / positive().fold(f64::MAX, f64::min);
+    let (mut low, mut high) = (0.5 * least, most / (smallest / largest).max(SMALLEST));
     for _ in 0..HALVINGS {
-        let middle = low.sqrt() * high.sqrt();
-        if affordable(middle) {
+        let middle = (low * high).sqrt();
+        let each = wishes.iter().enumerate();
+        let total: f64 = each.map(|(i, &w)| cost(i, share(w, middle))).sum();
+        if total <= budget {
             low = middle;
         } else {
             high = middle;
         }
     }
-    at(low).collect()
+    wishes.iter().map(|&w| share(w, low)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn budgets_are_shared_out_in_proportion_and_kept() {
+        let limits = (1.0, 4.0, 100.0);
+        let each = |wishes: &[f64], budget| share_out(wishes, limits, |_, x| x, budget);
+        assert_eq!(each(&[1.0, 2.0, 4.0], 70.0), [10.0, 20.0, 40.0]);
+        // Limits hold, and what one cannot take others get.
+        assert_eq!(each(&[0.0, 1.0, 1e9], 151.0), [1.0, 50.0, 100.0]);
+        assert_eq!(each(&[1.0, 1.0], 1.0), [1.0, 1.0]);
+        assert_eq!(each(&[0.0, 0.0], 100.0), [4.0, 4.0]);
+        let costs = share_out(&[1.0, 1.0], limits, |i, x| (i + 1) as f64 * x, 30.0);
+        assert_eq!(costs, [10.0, 10.0]);
+        // Of the smallest and the largest numbers nothing but numbers come.
+        for wish in [f64::MIN_POSITIVE, 1e-300, 1e300, f64::MAX] {
+            let shares = each(&[0.0, wish, 2.0 * (wish / 4.0)], 30.0);
+            assert!(
+                shares.iter().all(|x| (1.0..=100.0).contains(x)),
+                "{shares:?}"
+            );
+        }
+    }
 }

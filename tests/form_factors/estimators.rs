@@ -19,6 +19,7 @@ fn by_each_method(scene: &Scene, elements: u32) -> [f64; 3] {
             element_rays: 4096,
             form_factors,
             refine: false,
+            adapt: false,
             ..BakeSettings::BALANCED
         };
         between(&solved(scene.clone(), &settings), 0, 1)
@@ -219,6 +220,7 @@ fn turned_triangles_agree_with_rays() {
             element_rays,
             form_factors,
             refine: false,
+            adapt: false,
             ..BakeSettings::BALANCED
         };
         solved(scene.clone(), &settings)

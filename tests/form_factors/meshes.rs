@@ -82,6 +82,7 @@ pub(crate) fn settings(scene: &Scene, area: f64, form_factors: FormFactors) -> B
         sample_emitters: false,
         solver_tolerance: 1e-7,
         refine: false,
+        adapt: false,
         ..BakeSettings::BALANCED
     }
 }

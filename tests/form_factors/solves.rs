@@ -116,6 +116,7 @@ fn spheres_in_spheres() {
                 form_factors: FormFactors::Analytic { visibility_rays: 4 },
                 sample_emitters: false,
                 refine: false,
+                adapt: false,
                 ..BakeSettings::FINAL
             },
             &[0, 1],

@@ -218,6 +218,7 @@ fn with(scene: Scene, form_factors: FormFactors) -> ElementLight {
         elements: 300,
         form_factors,
         refine: false,
+        adapt: false,
         ..BakeSettings::BALANCED
     };
     solved(scene, &settings)

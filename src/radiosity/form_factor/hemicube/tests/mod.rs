@@ -45,6 +45,7 @@ fn settings(elements: u32, seed: u32) -> BakeSettings {
         elements,
         seed,
         refine: false,
+        adapt: false,
         ..BakeSettings::BALANCED
     }
 }
