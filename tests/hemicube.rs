@@ -231,7 +231,8 @@ fn walls_at_one_place_are_one_wall() {
     for wall in 0..single.len() as u32 - 1 {
         let (a, b) = (irradiance(&alone, wall), irradiance(&among, wall));
         assert!(
-            (a / b - 1.0).abs() < 0.03,
+            // One viewpoint an element, and other elements: that alone makes 3 % (docs/accuracy.md).
+            (a / b - 1.0).abs() < 0.04,
             "{}: {a}, among twins {b}",
             single[wall as usize].name
         );

@@ -37,6 +37,7 @@ fn run(s: Scene) -> Bake {
         &s.validate().unwrap(),
         &BakeSettings {
             refine: false,
+            adapt: false,
             ..BakeSettings::BALANCED
         },
         &(),

@@ -67,7 +67,9 @@ fn the_first_bake_is_that_of_one_shot() {
     let mut baker = Baker::new(SETTINGS);
     let first = baker.bake(lit_room(), &()).unwrap();
     assert_eq!(light(&once), light(&first));
-    assert_eq!(stages(&first), Stage::ALL);
+    let mut all = Stage::ALL.to_vec();
+    all.retain(|s| !matches!(s, Stage::Contacts | Stage::Refine));
+    assert_eq!(stages(&first), all);
     assert!(baker.bytes() > 100_000);
     baker.forget();
     assert_eq!(baker.bytes(), 0);

@@ -108,6 +108,7 @@ fn settings(form_factors: FormFactors, element_rays: u32) -> BakeSettings {
         emitter_rays: 8,
         solver_tolerance: 1e-4,
         refine: false,
+        adapt: false,
         ..BakeSettings::DRAFT
     }
 }

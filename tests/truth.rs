@@ -20,6 +20,7 @@ fn furnace() {
             &scene,
             &BakeSettings {
                 refine: false,
+                adapt: false,
                 ..BakeSettings::BALANCED
             },
             &(),
@@ -80,6 +81,7 @@ fn unit_cube() {
             &scene,
             &BakeSettings {
                 refine: false,
+                adapt: false,
                 ..BakeSettings::FINAL
             },
             &(),
@@ -137,6 +139,7 @@ fn integrating_sphere() {
         &scene,
         &BakeSettings {
             refine: false,
+            adapt: false,
             ..BakeSettings::BALANCED
         },
         &(),
@@ -182,6 +185,7 @@ fn point_light_on_a_floor() {
         &s.validate().unwrap(),
         &BakeSettings {
             refine: false,
+            adapt: false,
             ..BakeSettings::BALANCED
         },
         &(),

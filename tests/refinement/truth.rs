@@ -176,6 +176,7 @@ fn finer_meshes_have_less_error() {
     let off = [1.0, 0.5, 0.25].map(|edge| {
         let settings = BakeSettings {
             max_edge: Some(edge),
+            refine: false,
             ..BakeSettings::BALANCED
         };
         let baked = bake(&scene, &settings, &()).unwrap();

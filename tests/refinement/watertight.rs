@@ -249,15 +249,18 @@ fn touches([from, to]: Contact, a: Vec3, b: Vec3, tolerance: f32) -> bool {
     on(a) || on(b)
 }
 
+/// Surfaces this near touch: a block that hovers 1 mm over the floor does.
+const TOUCHING: f64 = 2e-3;
+
 /// The lines along which faces of a layout meet others that do not continue them.
 fn contacts(layout: &Layout) -> Vec<Contact> {
     let polygons = layout.polygons();
     let mut found = Vec::new();
     for (i, a) in polygons.iter().enumerate() {
         for b in &polygons[i + 1..] {
-            if a.near(b, 1e-6) && a.normal.dot(b.normal).abs() < f64::from(SAME_NORMAL) {
+            if a.near(b, TOUCHING) && a.normal.dot(b.normal).abs() < f64::from(SAME_NORMAL) {
                 found.extend(meeting(a, b));
-            } else if a.near(b, 1e-6) && a.normal.dot(b.normal) < 0.0 {
+            } else if a.near(b, TOUCHING) && a.normal.dot(b.normal) < 0.0 {
                 // Back to back: all around both.
                 for p in [a, b] {
                     let ends = p.corners.iter().zip(p.corners.iter().cycle().skip(1));

@@ -23,6 +23,7 @@ fn walls_twice(n: u32, again: Option<u32>) -> Scene {
 fn coincident_walls() {
     let settings = BakeSettings {
         refine: false,
+        adapt: false,
         ..BakeSettings::BALANCED
     };
     let once = solved(walls_twice(4, None), &settings);
@@ -66,6 +67,7 @@ fn coplanar_lamp() {
     let settings = BakeSettings {
         elements: 4_000,
         refine: false,
+        adapt: false,
         ..BakeSettings::FINAL
     };
     for (lamp, factor, centre) in [

@@ -40,6 +40,7 @@ fn slivers() {
         let settings = BakeSettings {
             seed,
             refine: false,
+            adapt: false,
             ..BakeSettings::FINAL
         };
         lights(&baked(s, &settings), 0)
@@ -60,6 +61,7 @@ fn slivers() {
         s,
         &BakeSettings {
             refine: false,
+            adapt: false,
             ..BakeSettings::BALANCED
         },
     );
@@ -74,6 +76,7 @@ fn slivers() {
 fn triangles_without_area() {
     let settings = BakeSettings {
         refine: false,
+        adapt: false,
         ..BakeSettings::DRAFT
     };
     let clean = lit_room(4);
@@ -105,6 +108,7 @@ fn triangles_without_area() {
 fn objects_of_nothing() {
     let settings = BakeSettings {
         refine: false,
+        adapt: false,
         ..BakeSettings::DRAFT
     };
     let mut clean = lit_room(4);
@@ -186,6 +190,7 @@ fn measured_cornell_box(cut: usize, materials: Vec<Material>) -> Scene {
 fn quads_that_are_not_flat() {
     let settings = BakeSettings {
         refine: false,
+        adapt: false,
         ..BakeSettings::BALANCED
     };
     let walls = [0, 1].map(|cut| {

@@ -64,6 +64,7 @@ fn threads() {
                 &s,
                 &BakeSettings {
                     refine: false,
+                    adapt: false,
                     ..BakeSettings::DRAFT
                 },
                 &(),

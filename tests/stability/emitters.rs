@@ -30,6 +30,7 @@ fn tiny_lamp_left_to_chance() {
     let chance = BakeSettings {
         sample_emitters: false,
         refine: false,
+        adapt: false,
         ..BakeSettings::BALANCED
     };
     for width in [0.2, 0.1, 0.05] {
@@ -37,6 +38,7 @@ fn tiny_lamp_left_to_chance() {
             with_lamp(width),
             &BakeSettings {
                 refine: false,
+                adapt: false,
                 ..BakeSettings::FINAL
             },
         );
@@ -65,6 +67,7 @@ fn tiny_lamp_left_to_chance() {
                 with_lamp(0.1),
                 &BakeSettings {
                     refine: false,
+                    adapt: false,
                     ..BakeSettings::BALANCED
                 }
             )
@@ -135,6 +138,7 @@ fn errors_of_dim_and_bright(settings: &BakeSettings) -> ([f64; 2], [f64; 2], f64
 fn dim_light_beside_bright_light() {
     let (direct, all, bound) = errors_of_dim_and_bright(&BakeSettings {
         refine: false,
+        adapt: false,
         ..BakeSettings::FINAL
     });
     assert!(direct.iter().all(|&e| e < 0.02), "{direct:?}");
@@ -147,6 +151,7 @@ fn dim_light_beside_bright_light() {
 fn bounced_dim_light_beside_bright_light() {
     let (_, all, _) = errors_of_dim_and_bright(&BakeSettings {
         refine: false,
+        adapt: false,
         ..BakeSettings::FINAL
     });
     assert!(all.iter().all(|&e| e < 0.02), "{all:?}");

@@ -18,6 +18,7 @@ fn furnace_near_reflectance_one() {
     let settings = BakeSettings {
         max_reflectance: 0.9995,
         refine: false,
+        adapt: false,
         ..BakeSettings::BALANCED
     };
     let size = Vec3::new(2.0, 1.0, 3.0);
@@ -55,6 +56,7 @@ fn lit_room(reflectance: f32) -> Scene {
 fn impossible_reflectance() {
     let settings = BakeSettings {
         refine: false,
+        adapt: false,
         ..BakeSettings::DRAFT
     };
     for (impossible, possible, note) in [
@@ -82,6 +84,7 @@ fn reflectance_beyond_the_solver() {
     let settings = BakeSettings {
         max_reflectance: 1.0_f32.next_down(),
         refine: false,
+        adapt: false,
         ..BakeSettings::DRAFT
     };
     let mut s = lit_room(1.0);
@@ -120,6 +123,7 @@ fn open_plates() {
             plates(emission, sky),
             &BakeSettings {
                 refine: false,
+                adapt: false,
                 ..BakeSettings::FINAL
             },
         );
@@ -161,6 +165,7 @@ fn open_furnace() {
             s.clone(),
             &BakeSettings {
                 refine: false,
+                adapt: false,
                 ..BakeSettings::BALANCED
             },
         );
@@ -173,6 +178,7 @@ fn open_furnace() {
             s,
             &BakeSettings {
                 refine: false,
+                adapt: false,
                 ..BakeSettings::BALANCED
             },
         )) {
@@ -212,6 +218,7 @@ fn sides_of_a_sheet() {
         sheet(false),
         &BakeSettings {
             refine: false,
+            adapt: false,
             ..BakeSettings::DRAFT
         },
     );
@@ -219,6 +226,7 @@ fn sides_of_a_sheet() {
         sheet(true),
         &BakeSettings {
             refine: false,
+            adapt: false,
             ..BakeSettings::DRAFT
         },
     );
@@ -256,6 +264,7 @@ fn two_sides_alike() {
         s,
         &BakeSettings {
             refine: false,
+            adapt: false,
             ..BakeSettings::BALANCED
         },
     );

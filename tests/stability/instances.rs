@@ -111,6 +111,7 @@ fn mirrored_and_stretched_nodes() {
                 s,
                 &BakeSettings {
                     refine: false,
+                    adapt: false,
                     ..BakeSettings::DRAFT
                 },
             )

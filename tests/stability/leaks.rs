@@ -53,6 +53,7 @@ fn floor_under_a_block() {
             with_lamp(hole),
             &BakeSettings {
                 refine: false,
+                adapt: false,
                 ..BakeSettings::FINAL
             },
         ),
@@ -62,6 +63,7 @@ fn floor_under_a_block() {
         with_lamp(room_with_block(low, high)),
         &BakeSettings {
             refine: false,
+            adapt: false,
             ..BakeSettings::FINAL
         },
     );
@@ -86,6 +88,7 @@ fn block_across_the_cells_of_the_floor() {
         s.clone(),
         &BakeSettings {
             refine: false,
+            adapt: false,
             ..BakeSettings::BALANCED
         },
     );
@@ -97,6 +100,7 @@ fn block_across_the_cells_of_the_floor() {
         s,
         &BakeSettings {
             refine: false,
+            adapt: false,
             ..BakeSettings::BALANCED
         },
     );
@@ -145,6 +149,7 @@ fn light_leak_through_thin_wall() {
     let settings = BakeSettings {
         solver_tolerance: 1e-5,
         refine: false,
+        adapt: false,
         ..BakeSettings::BALANCED
     };
     for thickness in [0.0, 0.01, 0.1] {

@@ -48,6 +48,7 @@ fn irradiance(light: &ElementLight) -> Vec<f32> {
 fn unit_of_length() {
     let settings = BakeSettings {
         refine: false,
+        adapt: false,
         ..BakeSettings::DRAFT
     };
     let elements = irradiance(&solved(furnished(), &settings));
@@ -69,6 +70,7 @@ fn unit_of_length() {
 fn rounded_far_from_the_origin() {
     let settings = BakeSettings {
         refine: false,
+        adapt: false,
         ..BakeSettings::DRAFT
     };
     let elements = solved(furnished(), &settings);
@@ -95,6 +97,7 @@ fn many_rays() -> BakeSettings {
         elements: 2_000,
         element_rays: 1024,
         refine: false,
+        adapt: false,
         ..BakeSettings::BALANCED
     }
 }
@@ -201,6 +204,7 @@ fn small_box_on_a_large_floor() {
             elements: 500,
             element_rays: 4096,
             refine: false,
+            adapt: false,
             ..BakeSettings::BALANCED
         };
         let light = solved(s, &settings);
