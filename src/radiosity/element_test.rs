@@ -8,12 +8,11 @@ use super::direct::loose_emission;
 use super::element_error::{Sent, apart};
 use super::emitter::Emitters;
 use super::form_factor::View;
-use super::layout::Cut;
 use super::observer::Stage;
 use super::occlusion::Occluders;
 use super::pipeline::run;
 use super::report::Report;
-use super::stages::{Plan, Stages, Start};
+use super::stages::{Stages, Start};
 use super::surface::Surfaces;
 use super::validate::ValidScene;
 use super::{BakeSettings, Light, LightKind, Material, MaterialId, Object, Scene};
@@ -191,63 +190,6 @@ fn even(settings: &BakeSettings) -> BakeSettings {
     }
 }
 
-/// The same layout with another number of rays for each element.
-fn with_rays(stages: &Stages, rays: impl Fn(u16) -> u16) -> Plan {
-    let mut plan = stages.plan.clone();
-    let mut layout = (*plan.layout).clone();
-    for cuts in &mut layout.of_object {
-        let other = cuts.iter().map(|cut| Cut {
-            rays: rays(cut.rays),
-            ..*cut
-        });
-        *cuts = other.collect();
-    }
-    layout.otherwise.rays = rays(layout.otherwise.rays);
-    plan.layout = layout.into();
-    plan
-}
-
-#[test]
-#[ignore = "a study"]
-fn study_rays() {
-    for (name, scene) in [
-        ("window", window()),
-        ("cornell", cornell()),
-        ("room", room()),
-        ("statue", statue()),
-    ] {
-        let scene = scene.validate().unwrap();
-        for element_rays in [16, 48] {
-            for seed in [1, 2] {
-                let settings = BakeSettings {
-                    element_rays,
-                    seed,
-                    ..SETTINGS
-                };
-                let (_, adapted) = solved(&scene, &settings);
-                let again = |rays: &dyn Fn(u16) -> u16| {
-                    let plan = with_rays(&adapted, rays);
-                    let start = Start {
-                        plan: Some(&plan),
-                        ..Start::default()
-                    };
-                    run(&scene, &settings, start, &()).unwrap().1
-                };
-                let truth = again(&|_| 2048);
-                let total: f64 = adapted.elements.rays.iter().map(|&r| f64::from(r)).sum();
-                let mean = (total / adapted.elements.len() as f64).round() as u16;
-                let even = again(&|_| mean);
-                let noise = |of: &Stages| 100.0 * error(&scene, &settings, of, &truth);
-                println!(
-                    "{name:8} {element_rays} seed {seed}: {mean} even rays {:.3} %, adapted {:.3} %",
-                    noise(&even),
-                    noise(&adapted)
-                );
-            }
-        }
-    }
-}
-
 #[test]
 fn the_patch_of_sun_is_finer_and_the_dark_is_coarser() {
     let scene = window().validate().unwrap();
@@ -340,7 +282,6 @@ fn the_error_of_elements_is_covered() {
                 error(&scene, &settings, &stages, &truth),
                 f64::from(report.error.elements),
             );
-            println!("{name} {seed}: {error:.4}, estimate {estimate:.4}");
             assert!(
                 estimate < 5.0 * error,
                 "{name}: {error}, estimate {estimate}"

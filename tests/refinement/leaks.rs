@@ -89,7 +89,7 @@ fn no_light_behind_a_wall() {
 #[ignore = "needs refinement: the floor's quad is lit on both sides"]
 fn no_light_behind_a_wall_of_one_object() {
     for thickness in [0.0, 0.01, 0.1] {
-        let layout = two_rooms(thickness).as_one("two rooms, one object");
+        let layout = two_rooms(thickness).into_one("two rooms, one object");
         no_light_behind_the_wall(&layout, thickness, &refined());
     }
 }

@@ -9,6 +9,10 @@
 //! | `asked` | the error is at most what was asked for |
 //! | `budgets` | vertices, memory and seconds are kept |
 
+#![allow(
+    clippy::print_stderr,
+    reason = "tables of figures, for who runs a test to see them"
+)]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on panics")]
 
 mod asked;

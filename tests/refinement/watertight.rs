@@ -343,7 +343,7 @@ fn all_scenes_stay_whole() {
     let mut layouts = lit_scenes().to_vec();
     for thickness in [0.0, 0.01, 0.1] {
         layouts.push(two_rooms(thickness));
-        layouts.push(two_rooms(thickness).as_one("two rooms, one object"));
+        layouts.push(two_rooms(thickness).into_one("two rooms, one object"));
     }
     for layout in layouts {
         let (scene, contacts) = (layout.scene(), contacts(&layout));

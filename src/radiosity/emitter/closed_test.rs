@@ -364,7 +364,6 @@ fn penumbrae_are_not_hardened_by_rounds() {
                 let whole: f64 = group.iter().map(|r| stage.unshadowed(r, 1)).sum();
                 worst = worst.max(((found - truth) / whole).abs());
             }
-            eprintln!("{side}² × {rays}: {worst}, {}", traced as f64 / all as f64);
             assert!(worst < 0.005, "{side}² × {rays} rays: {worst}");
             assert!(traced < all);
         }

@@ -127,7 +127,7 @@ impl Run<'_> {
             let useless = (best.as_ref())
                 .is_some_and(|b| total > USEFUL * b.control.unwrap_or_default().bound);
             let next = self.next(&pass, effort, aim, full);
-            let Some(next) = next.filter(|_| left > 0 && !(useless && !full)) else {
+            let Some(next) = next.filter(|_| left > 0 && (full || !useless)) else {
                 return Ok(pass.stopped(match (full, by_memory) {
                     (true, true) => Stopped::Memory,
                     (true, false) => Stopped::Vertices,

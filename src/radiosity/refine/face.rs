@@ -97,12 +97,13 @@ impl FaceLight {
         let (mut sum, mut apart) = (0.0, 0.0);
         for sample in &self.samples {
             let b = sample.b.as_dvec3();
-            for channel in 0..3 {
-                let [a, c] = [0, 1]
-                    .map(|set| f64::from(sample.light[set][channel]) - b.dot(fits[set][channel]));
-                sum += a * c;
-                apart += 0.5 * (a - c) * (a - c);
-            }
+            let left = |set: usize| {
+                let channels = fits[set].map(|fit| b.dot(fit));
+                sample.light[set].as_dvec3() - DVec3::from(channels)
+            };
+            let (a, c) = (left(0), left(1));
+            sum += (a * c).element_sum();
+            apart += 0.5 * (a - c).length_squared();
         }
         let free = (self.samples.len() - CORNERS) as f64;
         let noise = apart / (3.0 * free);

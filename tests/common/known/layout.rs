@@ -71,7 +71,7 @@ impl Layout {
     }
 
     /// All parts as one object, which must look alike.
-    pub(crate) fn as_one(mut self, name: &'static str) -> Self {
+    pub(crate) fn into_one(mut self, name: &'static str) -> Self {
         let rest = self.parts.split_off(1);
         self.parts[0]
             .faces
