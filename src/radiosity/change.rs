@@ -115,6 +115,11 @@ impl Change {
             self.new_looks |=
                 new.reflectance[e] != old.reflectance[p] || new.emission[e] != old.emission[p];
         }
+        // What an even emitter sends is known of one of its elements, on behalf of all.
+        for (t, &now) in self.triangle_now.iter().enumerate() {
+            let kept = now != GONE;
+            self.new_emitters |= kept && old.shines_evenly(t as u32) != new.shines_evenly(now);
+        }
         let mut went = (self.element_now.iter().enumerate()).filter(|(_, now)| **now == GONE);
         self.new_emitters |= went.any(|(p, _)| shines(old, p));
     }

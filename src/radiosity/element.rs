@@ -263,9 +263,21 @@ impl Elements {
 
     /// All elements on a live triangle, of both sides.
     pub(crate) fn of_triangle(&self, triangle: u32) -> impl Iterator<Item = u32> {
+        self.sides_of_triangle(triangle).flatten()
+    }
+
+    /// The same side by side.
+    pub(crate) fn sides_of_triangle(&self, triangle: u32) -> impl Iterator<Item = Range<u32>> {
         let cells = self.cells[triangle as usize];
         let sides = [Some(cells.front), cells.back].into_iter().flatten();
-        sides.flat_map(move |first| first..first + cells.count)
+        sides.map(move |first| first..first + cells.count)
+    }
+
+    /// Whether each side of a live triangle emits as much everywhere.
+    pub(crate) fn shines_evenly(&self, triangle: u32) -> bool {
+        let light = |e: u32| (self.emission[e as usize], self.coverage[e as usize]);
+        self.sides_of_triangle(triangle)
+            .all(|side| side.clone().all(|e| light(e) == light(side.start)))
     }
 
     /// Radiance emitted at a point of a live triangle's side.

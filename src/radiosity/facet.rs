@@ -24,6 +24,7 @@ const CORNERS: usize = 5;
 pub(crate) struct Facet {
     /// Form factor from the receiver, nothing between.
     pub(crate) factor: f64,
+    pub(crate) area: f32,
     /// Unit normal of the side that the receiver sees.
     normal: Vec3,
     /// Relative to the receiver.
@@ -80,6 +81,7 @@ impl Facet {
         let share = |part: f32| part / area;
         (area > 0.0).then(|| Self {
             factor,
+            area: 0.5 * area,
             normal,
             corners,
             fan: fan.map(share),

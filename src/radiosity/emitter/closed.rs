@@ -18,17 +18,27 @@ const FIRST: u32 = 4;
 /// too much, `1/4n` at worst.
 const AGREEING: u32 = 40;
 
-/// Points by which an emitter's light is shared out among several elements, at least, where that
-/// takes no rays: the elements' form factors, as good as is wanted.
+/// Points by which the light of an emitter that is not evenly bright is shared out among its
+/// elements, at least, where that takes no rays.
 const SHARING: u32 = 64;
 
-/// Few emitters: each in closed form, but for what stands between (see [`Facet`]).
+/// Few emissive triangles: in closed form but for what stands between (see [`Facet`]).
 ///
-/// Rays are traced in two rounds. If all rays of the first, from all receivers of a group to all
-/// emitters of a lamp, find that the same share of light passes, as they do everywhere but in
-/// penumbrae, it is taken to be so. Were each receiver to decide for itself, those whose few rays
-/// happen to agree would stop, and penumbrae would be too hard: the more rays have a say, the less
-/// that can be.
+/// Triangles of a lamp that are equally bright count as one emitter. A point of it is drawn on
+/// triangle `l` by its form factor `F_l`, and there evenly over the area `A_l` above the horizon:
+///
+/// ```text
+///   ┌──────────────────────────────────────────┐
+///   │  H = L Σ_l F_l · Σ w_i V_i / Σ w_i       │     w = g A_l / F_l
+///   └──────────────────────────────────────────┘
+/// ```
+///
+/// Of this an element gets the part of `Σ w_i V_i` that is on it, where the lamp is not evenly bright.
+///
+/// Rays are traced in two rounds. If all rays of the first, from all receivers of a group, find that
+/// the same share of light passes, as they do everywhere but in penumbrae, it is taken to be so.
+/// Were each receiver to decide for itself, those whose few rays happen to agree would stop, and
+/// penumbrae would be too hard: the more rays have a say, the less that can be.
 pub(super) struct Closed<'c> {
     pub(super) emitters: &'c Emitters<'c>,
     pub(super) elements: &'c Elements,
@@ -36,49 +46,46 @@ pub(super) struct Closed<'c> {
     pub(super) group: &'c Group<'c>,
 }
 
-/// The least and the most of nothing.
-const NOTHING: (f32, f32) = (f32::INFINITY, f32::NEG_INFINITY);
-
-/// An emitter as a group of receivers sees it.
-struct View<'c> {
-    leaf: &'c Leaf,
+/// A lamp as a group of receivers sees it.
+struct Lamp<'c> {
+    leaves: &'c [Leaf],
     seed: u32,
-    /// What it may bring to all of them, to be held against other emitters.
+    /// What it may bring to all of them, to be held against other lamps.
     light: f64,
-    /// Shadow rays of each receiver: by that light, one at least.
-    rays: u32,
     sights: Vec<Sight>,
     /// The least and the most light that rays found to pass.
     passing: (f32, f32),
 }
 
-/// An emitter as one receiver sees it, and what rays say: `Σ g` and, by element, `Σ g V`.
+/// A lamp as one receiver sees it, and what rays say: `Σ w` and, by element, `Σ w V`.
 struct Sight {
-    facet: Option<Facet>,
+    /// Which of its triangles, and how they look.
+    facets: Vec<(usize, Facet)>,
+    factor: f64,
     whole: f64,
     seen: Vec<(u32, f64)>,
 }
 
 impl Closed<'_> {
-    /// Tells `found` the light of each emitter's elements at each receiver. Returns how many shadow
+    /// Tells `found` the light of each lamp's elements at each receiver. Returns how many shadow
     /// rays that took.
     pub(super) fn light(&self, found: &mut impl FnMut(usize, u32, f32)) -> u64 {
-        let mut views: Vec<View> = (0..self.emitters.tree.leaves.len() as u32)
-            .map(|leaf| self.view(leaf))
-            .filter(|view| view.light > 0.0)
+        let leaves = &self.emitters.tree.leaves;
+        let lamps = leaves.chunk_by(Leaf::is_one_lamp_with);
+        let mut lamps: Vec<Lamp> = (0..)
+            .zip(lamps)
+            .map(|(k, leaves)| self.lamp(leaves, hash(self.group.seed, k)))
+            .filter(|lamp| lamp.light > 0.0)
             .collect();
-        let all: f64 = views.iter().map(|view| view.light).sum();
-        for view in &mut views {
-            let share = f64::from(self.group.rays) * view.light / all;
-            view.rays = share.round().max(1.0) as u32;
-        }
-        let lamps = views.chunk_by_mut(|a, b| a.leaf.lamp == b.leaf.lamp);
-        let traced = lamps.map(|lamp| self.lamp(lamp)).sum();
-        for view in &views {
-            for (k, sight) in view.sights.iter().enumerate() {
-                let factor = sight.facet.as_ref().map_or(0.0, |f| f.factor);
+        let all: f64 = lamps.iter().map(|lamp| lamp.light).sum();
+        let mut traced = 0;
+        for lamp in &mut lamps {
+            // Rays by what it may bring, one at least.
+            let rays = (f64::from(self.group.rays) * lamp.light / all).round();
+            traced += self.rounds(lamp, rays.max(1.0) as u32);
+            for (k, sight) in lamp.sights.iter().enumerate() {
                 for &(e, seen) in &sight.seen {
-                    let light = factor * seen / sight.whole;
+                    let light = sight.factor * seen / sight.whole;
                     found(k, e, light as f32 * self.elements.coverage[e as usize]);
                 }
             }
@@ -86,77 +93,79 @@ impl Closed<'_> {
         traced
     }
 
-    fn view(&self, leaf: u32) -> View<'_> {
-        let tree = self.emitters.tree;
-        let (seed, leaf) = (hash(self.group.seed, leaf), &tree.leaves[leaf as usize]);
-        let receivers = self.group.receivers.iter();
-        let sights: Vec<Sight> = receivers
-            .map(|(_, receiver)| Sight {
-                facet: leaf.seen_from(receiver),
+    fn lamp<'l>(&self, leaves: &'l [Leaf], seed: u32) -> Lamp<'l> {
+        let mut light = 0.0;
+        let mut sight = |receiver: &Receiver| {
+            let seen = leaves.iter().enumerate();
+            let facets: Vec<(usize, Facet)> = seen
+                .filter_map(|(l, leaf)| Some((l, leaf.seen_from(receiver)?)))
+                .collect();
+            for (l, facet) in &facets {
+                light += f64::from(leaves[*l].radiance) * facet.factor;
+            }
+            Sight {
+                factor: facets.iter().map(|(_, facet)| facet.factor).sum(),
+                facets,
                 whole: 0.0,
                 seen: Vec::new(),
-            })
-            .collect();
-        let factors = sights.iter().flat_map(|s| &s.facet).map(|f| f.factor);
-        View {
-            leaf,
+            }
+        };
+        let receivers = self.group.receivers.iter();
+        let sights = receivers.map(|(_, receiver)| sight(receiver)).collect();
+        Lamp {
+            leaves,
             seed,
-            light: f64::from(tree.radiance(leaf)) * factors.sum::<f64>(),
-            rays: 0,
+            light,
             sights,
-            passing: NOTHING,
+            passing: (f32::INFINITY, f32::NEG_INFINITY),
         }
     }
 
-    /// Both rounds of rays to the emitters of a lamp.
-    fn lamp(&self, views: &mut [View]) -> u64 {
+    /// Both rounds of rays to a lamp, `rays` from each receiver.
+    fn rounds(&self, lamp: &mut Lamp, rays: u32) -> u64 {
         let blocks = self.group.blocks;
-        let all: u32 = views.iter().map(|view| view.rays).sum();
-        let least = AGREEING.div_ceil(blocks).max(all.div_ceil(FIRST));
-        let first = |view: &View| (view.rays * least).div_ceil(all).min(view.rays);
-        let mut traced = 0;
-        for view in &mut *views {
-            traced += self.round(view, 0, first(view), None);
+        let first = rays
+            .div_ceil(FIRST)
+            .max(AGREEING.div_ceil(blocks))
+            .min(rays);
+        let traced = self.round(lamp, 0, first, None);
+        let (least, most) = lamp.passing;
+        let (start, rest) = (blocks * first, rays - first);
+        if least != most {
+            return traced + self.round(lamp, start, rest, None);
         }
-        let passing = views.iter().map(|view| view.passing);
-        let (least, most) = passing.fold(NOTHING, |a, b| (a.0.min(b.0), a.1.max(b.1)));
-        let agreed = (least == most).then_some(least);
-        for view in views {
-            let (start, rest) = (blocks * first(view), view.rays - first(view));
-            if agreed.is_none() {
-                traced += self.round(view, start, rest, None);
-            } else if self.several(view.leaf) {
-                self.round(view, start, rest.max(SHARING), agreed);
-            }
+        if lamp.leaves.iter().any(|leaf| !leaf.even) {
+            self.round(lamp, start, rest.max(SHARING), Some(least));
         }
         traced
     }
 
     /// `rays` of each receiver, from `start` of the sequence on; none are traced if it is known how
     /// much passes.
-    fn round(&self, view: &mut View, start: u32, rays: u32, known: Option<f32>) -> u64 {
+    fn round(&self, lamp: &mut Lamp, start: u32, rays: u32, known: Option<f32>) -> u64 {
         let mut traced = 0;
-        for (&(block, ref receiver), sight) in self.group.receivers.iter().zip(&mut view.sights) {
-            let Some(facet) = &sight.facet else {
+        for (&(block, ref receiver), sight) in self.group.receivers.iter().zip(&mut lamp.sights) {
+            if sight.facets.is_empty() {
                 continue;
-            };
+            }
             let from = start + block * rays;
             for i in from..from + rays {
-                let [u, v, ..] = sobol(i, 1, view.seed);
-                let Some(way) = facet.way(receiver.normal, [u, v]) else {
+                let [u, v, ..] = sobol(i, 1, lamp.seed);
+                let Some((l, way, weight)) = sight.way(receiver.normal, [u, v]) else {
                     continue;
                 };
-                sight.whole += f64::from(way.brings);
-                let Some(element) = self.element(receiver, view.leaf, &way) else {
+                sight.whole += weight;
+                let leaf = &lamp.leaves[l];
+                let Some(element) = self.element(receiver, leaf, &way) else {
                     continue;
                 };
                 let passing = known.unwrap_or_else(|| {
                     traced += 1;
-                    self.passing(receiver, view.leaf, &way)
+                    self.passing(receiver, leaf, &way)
                 });
-                let (least, most) = view.passing;
-                view.passing = (least.min(passing), most.max(passing));
-                add(&mut sight.seen, element, f64::from(way.brings * passing));
+                let (least, most) = lamp.passing;
+                lamp.passing = (least.min(passing), most.max(passing));
+                add(&mut sight.seen, element, weight * f64::from(passing));
             }
         }
         traced
@@ -176,7 +185,11 @@ impl Closed<'_> {
         match self.emitters.light {
             Light::Reflected => Some(leaf.source),
             Light::Emission => {
-                let uv = leaf.uv(receiver.position + way.to);
+                // Where all are equally bright, any of them stands for all.
+                let uv = match leaf.even {
+                    true => [0.0; 2],
+                    false => leaf.uv(receiver.position + way.to),
+                };
                 let back = leaf.normal.dot(way.to) > 0.0;
                 let element = self.elements.side_at(leaf.triangle, uv, back)?;
                 // Whether an element emits is known as long as a tree is kept.
@@ -185,11 +198,23 @@ impl Closed<'_> {
             }
         }
     }
+}
 
-    /// Whether a leaf shows several elements on a side.
-    fn several(&self, leaf: &Leaf) -> bool {
-        let sides = if leaf.two_sided { 2 } else { 1 };
-        let elements = || self.elements.of_triangle(leaf.triangle);
-        self.emitters.light == Light::Emission && elements().count() > sides
+impl Sight {
+    /// Point `u`, `v` (each 0..1) of the lamp: on which of its triangles, the way there, and its
+    /// weight.
+    fn way(&self, up: Vec3, [u, v]: [f32; 2]) -> Option<(usize, Way, f64)> {
+        let mut u = f64::from(u) * self.factor;
+        let last = self.facets.len() - 1;
+        for (k, (l, facet)) in self.facets.iter().enumerate() {
+            if u < facet.factor || k == last {
+                let share = (u / facet.factor).min(1.0) as f32;
+                let way = facet.way(up, [share, v])?;
+                let weight = f64::from(way.brings * facet.area) / facet.factor;
+                return Some((*l, way, weight));
+            }
+            u -= facet.factor;
+        }
+        None
     }
 }

@@ -261,7 +261,7 @@ fn textured_lamps_shine_by_element() {
             let spread = (squares / f64::from(count) - mean * mean).max(0.0).sqrt();
             // The truth takes elements that two stripes share for even.
             assert!((mean / truth - 1.0).abs() < 0.006, "{mean}, {truth}");
-            assert!(spread < 0.04 * truth, "{spread} of {truth}");
+            assert!(spread < 0.06 * truth, "{spread} of {truth}");
         }
     });
 }
@@ -295,7 +295,7 @@ fn veils_and_gratings() {
         ..Material::default()
     };
     let mut fine = above();
-    fine.uvs[0].iter_mut().for_each(|uv| *uv *= 64.0);
+    fine.uvs[0].iter_mut().for_each(|uv| *uv *= 250.0);
     let mut scene = under_lamp(shining(5.0), vec![(fine, grating)]);
     scene.textures.push(Texture {
         name: "bars".into(),

@@ -9,6 +9,8 @@
 mod choice;
 mod survey;
 
+use std::ops::Range;
+
 use glam::{Vec3, Vec3A};
 
 use super::bounds::{Disturbed, Sphere};
@@ -44,8 +46,11 @@ pub(crate) struct Leaf {
     pub(crate) two_sided: bool,
     /// Live triangle or element that shines.
     pub(crate) source: u32,
-    /// The same for leaves that are likely to be hidden together: those of an object.
-    pub(crate) lamp: u32,
+    /// Object that shines, or element.
+    lamp: u32,
+    /// How bright it is beside others, and whether everywhere.
+    pub(crate) radiance: f32,
+    pub(crate) even: bool,
     /// Position in the tree.
     node: u32,
 }
@@ -73,7 +78,8 @@ enum Content {
 /// Above this share of all rays a material's emitters are left to be found by rays.
 pub(crate) const WIDE: f32 = 0.1;
 
-/// Up to so many leaves are taken one by one, in closed form: TODO.
+/// Up to so many leaves are taken one by one, in closed form: that costs each receiver time for every
+/// leaf, where drawing one by what it may send costs the tree's depth.
 const FEW: usize = 16;
 
 /// Elements that reflect more than this many times the mean are sampled in the gather.
@@ -104,8 +110,8 @@ impl EmitterTree {
                 if views[material] > WIDE {
                     continue;
                 }
-                let leaf = Leaf::new(scene, t, two_sided);
-                powers.push(leaf.area * mean_emission(elements, t, two_sided));
+                let leaf = Leaf::new(scene, elements, t, two_sided);
+                powers.push(leaf.area * leaf.radiance);
                 leaves.push(leaf);
             }
         }
@@ -129,7 +135,8 @@ impl EmitterTree {
         let mut powers = Vec::new();
         for e in bright {
             for (triangle, corners, normal) in elements.shape(scene, ElementId(e)) {
-                powers.push(area(corners) * reflected[e as usize].element_sum());
+                let radiance = reflected[e as usize].element_sum();
+                powers.push(area(corners) * radiance);
                 leaves.push(Leaf {
                     triangle,
                     corners,
@@ -137,7 +144,9 @@ impl EmitterTree {
                     area: area(corners),
                     two_sided: false,
                     source: e,
-                    lamp: scene.triangles[triangle as usize].object,
+                    lamp: e,
+                    radiance,
+                    even: true,
                     node: 0,
                 });
             }
@@ -254,11 +263,6 @@ impl EmitterTree {
         self.leaves.len() <= FEW
     }
 
-    /// How bright a leaf is beside others.
-    pub(crate) fn radiance(&self, leaf: &Leaf) -> f32 {
-        self.nodes[leaf.node as usize].power / leaf.area.max(f32::MIN_POSITIVE)
-    }
-
     /// Number of emissive triangles that are sampled.
     pub(crate) fn len(&self) -> usize {
         self.leaves.len()
@@ -326,8 +330,14 @@ impl EmitterTree {
 }
 
 impl Leaf {
-    fn new(scene: &ValidScene, triangle: u32, two_sided: bool) -> Self {
+    fn new(scene: &ValidScene, elements: &Elements, triangle: u32, two_sided: bool) -> Self {
         let corners = scene.corners(scene.triangles[triangle as usize]);
+        let brightness = |side: Range<u32>| {
+            let elements_of = || side.clone().map(|e| e as usize);
+            let power = elements_of().map(|e| elements.emission[e] * elements.area[e]);
+            let area: f32 = elements_of().map(|e| elements.area[e]).sum();
+            power.sum::<Vec3>().element_sum() / area.max(f32::MIN_POSITIVE)
+        };
         Self {
             triangle,
             corners,
@@ -336,12 +346,22 @@ impl Leaf {
             two_sided,
             source: triangle,
             lamp: scene.triangles[triangle as usize].object,
+            radiance: (elements.sides_of_triangle(triangle))
+                .map(brightness)
+                .fold(0.0, f32::max),
+            even: elements.shines_evenly(triangle),
             node: 0,
         }
     }
 
     fn centroid(&self) -> Vec3 {
         (self.corners[0] + self.corners[1] + self.corners[2]) / 3.0
+    }
+
+    /// Whether it and another are parts of one lamp, and equally bright but for rounding.
+    pub(crate) fn is_one_lamp_with(&self, other: &Self) -> bool {
+        let close = (self.radiance - other.radiance).abs() <= 1e-3 * self.radiance;
+        self.lamp == other.lamp && self.even && other.even && close
     }
 
     /// What a receiver sees of it.
@@ -367,15 +387,4 @@ impl Leaf {
         let share = |part: Vec3| part.dot(area) / area.length_squared();
         [share(to.cross(across)), share(along.cross(to))]
     }
-}
-
-/// Mean over the elements of a triangle, those of its brighter side.
-fn mean_emission(elements: &Elements, triangle: u32, two_sided: bool) -> f32 {
-    let light: Vec<f32> = elements
-        .of_triangle(triangle)
-        .map(|e| elements.emission[e as usize].element_sum())
-        .collect();
-    let side = light.len() / if two_sided { 2 } else { 1 };
-    let mean = |side: &[f32]| side.iter().sum::<f32>() / side.len() as f32;
-    light.chunks(side).map(mean).fold(0.0, f32::max)
 }
