@@ -7,7 +7,7 @@ use super::change::Change;
 use super::element::{ElementId, Elements};
 use super::emitter::{Emitters, Group, Receiver};
 use super::form_factor::{Traced, View};
-use super::illumination::illumination;
+use super::illumination::{Shadow, illumination};
 use super::light::{Light, LightKind};
 use super::observer::{Observer, Stage};
 use super::occlusion::{OFFSET, Occluders};
@@ -156,16 +156,20 @@ impl<'a> Sampler<'a> {
         let light_seed = hash(seed, light_seed(self.scene, l));
         let light = &self.scene.lights[l];
         let count = points.len() as f32;
+        let mut shadow = Shadow::UNKNOWN;
         let at = |i| {
+            let receiver = self.receiver(e, i, seed);
             illumination(
                 light,
                 &self.occluders,
-                &self.receiver(e, i, seed),
+                &receiver,
                 (light_seed, i),
-                rays,
+                &mut shadow,
             )
         };
-        points.map(at).sum::<f32>() / count
+        let sum: f32 = points.map(at).sum();
+        *rays += shadow.rays;
+        sum / count
     }
 
     /// The same of emitters, by element that shines.
@@ -182,7 +186,9 @@ impl<'a> Sampler<'a> {
         };
         let mut sums: Vec<(u32, f32)> = Vec::new();
         let found = |_, from, light| add(&mut sums, from, light / count);
-        *rays += (self.emitters).light(self.elements, &self.occluders, &group, found);
+        *rays += (self.emitters)
+            .light(self.elements, &self.occluders, &group, found)
+            .rays;
         sums
     }
 

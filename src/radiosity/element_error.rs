@@ -3,6 +3,7 @@ use glam::{Vec3, Vec3A};
 use super::color::luminance;
 use super::element::Elements;
 use super::form_factor::View;
+use super::level::Level;
 use super::observer::{Observer, Stage};
 use super::parallel::{Cancelled, map_ranges};
 use super::sampling::hash;
@@ -31,8 +32,8 @@ impl Sent<'_> {
     }
 }
 
-/// How far the light that two solutions send to the same places is apart: RMS, not relative to
-/// anything, and the rays it took.
+/// How far the light that two solutions send to the same places is apart, relative to the [`Level`] of
+/// what arrives there, and the rays it took to tell.
 ///
 /// Each ray knows the triangle and the place on it that it hit, and finds there an element of either
 /// solution. What elements of constant light leave out goes with their size `h`: of two solutions the
@@ -45,11 +46,12 @@ impl Sent<'_> {
 /// ```
 pub(crate) fn apart(
     view: &View,
-    fine: Sent,
-    coarse: Sent,
+    arriving: &[Vec3],
+    (fine, coarse): (Sent, Sent),
     observer: &dyn Observer,
 ) -> Result<(f64, u64), Cancelled> {
     let count = view.elements.len();
+    let bright = fine.elements.bright(fine.light);
     let receivers = RECEIVERS.min(count);
     let parts = map_ranges(receivers, CHUNK, Stage::Error, observer, |range| {
         let mut found = Vec::with_capacity(range.len());
@@ -58,16 +60,25 @@ pub(crate) fn apart(
             let e = first + hash(i as u32, view.settings.seed) as usize % (next - first);
             let mut sum = Vec3A::ZERO;
             for hit in (0..RAYS).filter_map(|ray| view.hit(e, ray)) {
-                sum += fine.at(&hit) - coarse.at(&hit);
+                let (fine, coarse) = (fine.at(&hit), coarse.at(&hit));
+                // What is far brighter is not left to chance in the gather, and would be all of the mean.
+                if fine.max(coarse).element_sum() <= bright {
+                    sum += fine - coarse;
+                }
             }
             let d = f64::from(luminance(Vec3::from(sum))) / f64::from(RAYS);
             let weight = f64::from(view.elements.area[e]) * (next - first) as f64;
-            found.push((d * d, weight));
+            let light = f64::from(luminance(arriving[e]));
+            found.push((weight, d * d, light));
         }
         found
     })?;
+    let found = parts.concat();
+    let level = Level::of(found.iter().map(|&(weight, _, light)| (weight, light)));
+    let squares = (found.iter()).map(|&(weight, d, light)| (level.relative(d, light), weight));
+    let error = mean_of_most(squares.collect()).sqrt();
     let rays = receivers as u64 * u64::from(RAYS);
-    Ok((mean_of_most(parts.concat()).sqrt(), rays))
+    Ok((error, rays))
 }
 
 /// Mean of values with weights, without the largest.

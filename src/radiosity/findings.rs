@@ -16,7 +16,7 @@ use super::validate::{ValidScene, shines};
 /// Estimates of sampling errors are raised by this, so that they are above the true ones in more than
 /// 95 of 100 bakes (`tests/sampling_error.rs`) and not in every other: half-sets are smoothed by what they
 /// have in common, and a few elements stand for all.
-const COVER: f32 = 1.25;
+pub(crate) const COVER: f32 = 1.25;
 
 /// Light that is expected to err by more than this share is worth a note.
 const NOISY: f64 = 0.1;
@@ -58,10 +58,7 @@ impl Findings<'_> {
                 + self.elements.bytes()
                 + self.traced.rows.bytes()
                 + self.solution.report.bytes
-                + vertices.map_or(0, |v| {
-                    (size_of_val(&*v.pass.samples.smooth) + size_of_val(&*v.pass.samples.sharp))
-                        as u64
-                }),
+                + vertices.map_or(0, |v| v.pass.inside.bytes()),
             energy,
             error: vertices.map_or_else(ErrorEstimate::default, |v| self.error(v)),
             stopped: vertices.map_or_else(Stopped::default, |v| v.pass.stopped),
@@ -81,21 +78,35 @@ impl Findings<'_> {
 
     /// How far off the vertices' light is, by source.
     fn error(&self, vertices: &VertexFindings) -> ErrorEstimate {
-        let mean = self.elements.mean_of(&self.solution.arriving);
-        let beside_mean = |e: f64| if mean > 0.0 { (e / mean) as f32 } else { 0.0 };
-        let sampling = self.sampling_error(vertices);
-        // What points apart from the samples found, less what is known to be chance.
-        let found = vertices.pass.control.unwrap_or_default().bound as f32;
-        let mut error = ErrorEstimate {
-            total: 0.0,
-            meshing: (found * found - sampling * sampling).max(0.0).sqrt(),
-            sampling,
-            elements: self.error.cells,
-            solver: beside_mean(self.solution.report.error_bound),
+        let Some(control) = vertices.pass.control else {
+            return ErrorEstimate::new(
+                0.0,
+                self.sampling_error(vertices),
+                self.error.cells,
+                self.solver_error(),
+            );
         };
-        let parts = [error.meshing, error.sampling, error.elements, error.solver];
-        error.total = parts.iter().map(|e| e * e).sum::<f32>().sqrt();
-        error
+        // What points apart from the samples found is made of what the mesh and what chance left there.
+        let found = control.found.bound() as f32;
+        let by_chance = vertices.pass.fitted.smoothing.sampling_error.min(found);
+        let meshing = (found * found - by_chance * by_chance).max(0.0).sqrt();
+        let sampling = by_chance.hypot(COVER * self.error.vertices);
+        ErrorEstimate::new(meshing, sampling, self.error.cells, self.solver_error())
+    }
+
+    fn solver_error(&self) -> f32 {
+        let mean = self.elements.mean_of(&self.solution.arriving);
+        if mean > 0.0 {
+            (self.solution.report.error_bound / mean) as f32
+        } else {
+            0.0
+        }
+    }
+
+    /// What the light of elements adds to the error of vertices.
+    pub(crate) fn error_of_elements(&self) -> f64 {
+        let noise = (COVER * self.error.vertices).hypot(self.error.cells);
+        f64::from(noise.hypot(self.solver_error()))
     }
 
     fn counts(&self, vertices: Option<&VertexFindings>) -> Counts {
@@ -243,7 +254,7 @@ impl Findings<'_> {
 
 impl VertexFindings<'_> {
     fn counts(&self) -> Counts {
-        let samples = &self.pass.samples.smooth;
+        let samples = &self.pass.inside.smooth.samples;
         let vertices_with = |flags: &[bool]| {
             let unknowns = self
                 .pass

@@ -2,6 +2,8 @@ use glam::Vec3;
 
 use super::color::{divide, luminance};
 use super::gathered::TriangleSamples;
+use super::kind::{ByKind, Kind};
+use super::level::Level;
 use super::parallel::Cancelled;
 use super::receivers::Receivers;
 
@@ -10,6 +12,8 @@ pub(crate) struct Fit {
     /// Light (irradiance / π) of each unknown.
     pub(crate) light: Vec<Vec3>,
     pub(crate) smoothing: Smoothing,
+    /// The part of it that rays gathered.
+    pub(crate) gathered: Vec<Vec3>,
     /// Area-weighted mean luminance.
     pub(crate) mean: f32,
     /// Unknowns without a sample of their own, filled along the mesh.
@@ -21,40 +25,29 @@ pub(crate) struct Fit {
 /// How noise is dealt with, as the samples themselves told.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Smoothing {
-    /// How strongly neighbouring vertices are pulled together, by [`Kind`] of light.
-    lambda: [f32; 2],
+    /// How strongly neighbouring vertices are pulled together.
+    lambda: ByKind<f32>,
     /// Relative RMS of the difference of two fits to half the samples each, halved: the error
     /// that chance leaves in the whole.
     pub(crate) sampling_error: f32,
-    /// The same of each [`Kind`] of light alone.
-    pub(crate) by_kind: [f32; 2],
+    /// The same of each kind of light alone.
+    pub(crate) by_kind: ByKind<f32>,
 }
 
 /// Samples of both kinds of light, by triangle of their meshes.
-pub(crate) struct Samples {
+pub(crate) struct Samples<'a> {
     /// On the coarse meshes: bounced light, sky, wide emitters.
-    pub(crate) smooth: Vec<TriangleSamples>,
+    pub(crate) smooth: &'a [TriangleSamples],
     /// On the fine meshes: light of lights and sampled emitters.
-    pub(crate) sharp: Vec<TriangleSamples>,
+    pub(crate) sharp: &'a [TriangleSamples],
 }
 
-/// What kind of light a mesh carries.
-#[derive(Clone, Copy)]
-enum Kind {
-    Sharp,
-    Smooth,
-}
-
-impl Kind {
-    /// How strongly neighbouring vertices are at least pulled together, as a share of the samples'
-    /// own pull: light with sharp edges keeps them, gathered light is smooth and its noise is not.
-    const fn least(self) -> f32 {
-        match self {
-            Self::Sharp => 0.001,
-            Self::Smooth => 0.01,
-        }
-    }
-}
+/// How strongly neighbouring vertices are at least pulled together, as a share of the samples' own
+/// pull: light with sharp edges keeps them, gathered light is smooth and its noise is not.
+const LEAST: ByKind<f32> = ByKind {
+    smooth: 0.01,
+    sharp: 0.001,
+};
 
 /// Stronger smoothing is tried in steps of this factor, up to the samples' own pull.
 const STEP: f32 = 4.0;
@@ -104,20 +97,18 @@ pub(crate) fn fit(
             samples,
             unknowns,
             kind,
-            known.map(|k| k.lambda[kind as usize]),
+            known.map(|k| k.lambda.of(kind)),
             go_on,
         )
     };
-    let sharp = layer(Kind::Sharp, &samples.sharp, unknowns)?;
-    let smooth = layer(Kind::Smooth, &samples.smooth, receivers.coarse.unknowns)?;
-    let both = |sharp: &[Vec3], smooth: &[Vec3]| -> Vec<Vec3> {
-        let smooth = receivers.carried_over(smooth);
-        sharp.iter().zip(smooth).map(|(&a, b)| a + b).collect()
-    };
-    let mut whole = both(&sharp.light, &smooth.light);
+    let sharp = layer(Kind::Sharp, samples.sharp, unknowns)?;
+    let smooth = layer(Kind::Smooth, samples.smooth, receivers.coarse.unknowns)?;
+    let gathered = receivers.carried_over(&smooth.light);
+    let both = sharp.light.iter().zip(&gathered);
+    let mut whole: Vec<Vec3> = both.map(|(&a, &b)| a + b).collect();
     let mut area = vec![0.0_f32; unknowns];
     let mut sampled = vec![false; unknowns];
-    for t in &samples.sharp {
+    for t in samples.sharp {
         for &u in &t.unknowns {
             area[u as usize] += t.area / 3.0;
             sampled[u as usize] |= t.invalid < t.taken;
@@ -131,38 +122,39 @@ pub(crate) fn fit(
             .sum::<f64>()
             / total
     };
-    let level = mean(&|i| f64::from(luminance(whole[i])));
+    let light = |i: usize| f64::from(luminance(whole[i]));
+    let level = Level::of((0..unknowns).map(|i| (f64::from(area[i]), light(i))));
     let (sampling_error, by_kind) = match known {
         Some(known) => (known.sampling_error, known.by_kind),
         None => {
             let smooth = receivers.carried_over(&smooth.difference);
             let beside_mean = |difference: &dyn Fn(usize) -> Vec3| {
-                let variance = mean(&|i| (0.5 * f64::from(luminance(difference(i)))).powi(2));
-                if level > 0.0 {
-                    (variance.sqrt() / level) as f32
-                } else {
-                    0.0
-                }
+                let square = |i: usize| (0.5 * f64::from(luminance(difference(i)))).powi(2);
+                mean(&|i| level.relative(square(i), light(i))).sqrt() as f32
             };
             (
                 beside_mean(&|i| sharp.difference[i] + smooth[i]),
-                [
-                    beside_mean(&|i| sharp.difference[i]),
-                    beside_mean(&|i| smooth[i]),
-                ],
+                ByKind {
+                    smooth: beside_mean(&|i| smooth[i]),
+                    sharp: beside_mean(&|i| sharp.difference[i]),
+                },
             )
         }
     };
-    let dark = unreached(&samples.sharp, &sampled);
+    let dark = unreached(samples.sharp, &sampled);
     Ok(Fit {
         smoothing: Smoothing {
-            lambda: [sharp.lambda, smooth.lambda],
+            lambda: ByKind {
+                smooth: smooth.lambda,
+                sharp: sharp.lambda,
+            },
             sampling_error,
             by_kind,
         },
-        mean: level as f32,
+        mean: mean(&light) as f32,
         filled: (0..unknowns).map(|i| !sampled[i] && !dark[i]).collect(),
         light: whole,
+        gathered,
         dark,
     })
 }
@@ -257,8 +249,8 @@ fn choose_smoothing(
         })
     };
     // A half-set is twice as noisy as the whole, which wants one step less: keep the one before.
-    let mut chosen = attempt(kind.least())?;
-    let mut best = attempt(kind.least() * STEP)?;
+    let mut chosen = attempt(LEAST.of(kind))?;
+    let mut best = attempt(LEAST.of(kind) * STEP)?;
     if best.error >= chosen.error {
         return Ok(chosen);
     }

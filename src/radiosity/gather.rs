@@ -7,13 +7,13 @@ use super::bounds::{Bounds, Reach, Sphere};
 use super::change::Change;
 use super::direct::{ShadowRays, add, crosses, light_seed, shines};
 use super::element::{ElementId, Elements};
-use super::emitter::{Emitters, Group, Receiver};
+use super::emitter::{Emitters, Group, Receiver, ShadowsOfEmitters};
 use super::form_factor::{BLACK, GONE, SKY};
 use super::gathered::{
     Bundle, Gathered, Met, NOT_CAST, SAMPLED, SHEET, SamplePlaces, Share, SharpLight,
 };
 use super::identity::object_seeds;
-use super::illumination::illumination;
+use super::illumination::{Shadow, illumination};
 use super::light::{DirectLight, Light};
 use super::occlusion::{Hit, NO_TRIANGLE, OFFSET, Occluders};
 use super::receiver_mesh::{ReceiverMesh, ReceiverMeshes};
@@ -35,11 +35,21 @@ pub(crate) struct Gather<'a> {
     /// For each object, whether the back of its surfaces is the side to light.
     pub(crate) lit_from_behind: &'a [bool],
     pub(crate) settings: &'a BakeSettings,
-    /// Samples per square root of area, of the coarse meshes and of the fine ones.
-    pub(crate) density: [f32; 2],
+    pub(crate) density: Density,
     /// Whether to note how far rays went.
     pub(crate) remember: bool,
     pub(crate) aids: Aids,
+}
+
+/// Samples per square root of a triangle's area.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Density {
+    /// Of the coarse meshes.
+    pub(crate) smooth: f32,
+    /// Of the fine meshes, in shadows' edges.
+    pub(crate) sharp: f32,
+    /// The same where there is none.
+    pub(crate) calm: f32,
 }
 
 /// What an earlier bake gathered, of which much is still true.
@@ -75,6 +85,9 @@ const PROBES: u32 = 16;
 
 /// Samples of a triangle at most, however large.
 const MAX_SAMPLES: u32 = 256;
+
+/// Samples of a triangle at least, before it is taken to be free of shadows' edges.
+const FEW: u32 = 8;
 
 /// By object: what many triangles ask for.
 pub(crate) struct Aids {
@@ -134,9 +147,10 @@ impl Gather<'_> {
         before: Option<&GatherBefore>,
         traced: &mut u64,
     ) -> Arc<Bundle> {
-        let Some(patch) = self.patch(mesh, object, triangle, self.density[0]) else {
+        let Some(patch) = self.patch(mesh, object, triangle) else {
             return Arc::default();
         };
+        let patch = patch.with(patch.samples_at(self.density.smooth));
         let known = before.and_then(|b| Some((b, &**b.bundle(object, triangle)?)));
         let known = known.filter(|(_, old)| old.samples.len() == patch.samples as usize);
         match known {
@@ -147,7 +161,8 @@ impl Gather<'_> {
         }
     }
 
-    /// Shadow rays from all samples of a triangle of the fine meshes, where `before` does not answer.
+    /// Shadow rays from samples of a triangle of the fine meshes, where `before` does not answer: a few
+    /// samples first, and all only where these find the edge of a shadow.
     pub(crate) fn sharp(
         &self,
         mesh: &ReceiverMesh,
@@ -157,37 +172,78 @@ impl Gather<'_> {
         before: Option<&GatherBefore>,
         cost: &mut GatherCost,
     ) -> SharpLight {
-        let Some(patch) = self.patch(mesh, object, triangle, self.density[1]) else {
+        let Some(patch) = self.patch(mesh, object, triangle) else {
             return SharpLight::default();
         };
         let known = before.and_then(|b| Some((b, b.sharp(object, triangle)?)));
+        let all = patch.samples_at(self.density.sharp);
+        let few = patch.samples_at(self.density.calm).max(FEW).min(all);
+        // As many as then, if nothing is new.
+        let stays = known.filter(|(b, old)| b.sharp_stays(self, old, patch.sphere()));
+        let first = stays.map_or(few, |(_, old)| old.samples.taken);
+        let (light, calm) = self.shadows(&patch.with(first), validity, known, cost);
+        if calm || first >= all {
+            return light;
+        }
+        self.shadows(&patch.with(all), validity, known, cost).0
+    }
+
+    /// Shadow rays from all samples of a triangle, and whether those that had to be traced found no
+    /// edge of a shadow.
+    fn shadows(
+        &self,
+        patch: &Patch,
+        validity: Validity,
+        known: Option<(&GatherBefore, &SharpLight)>,
+        cost: &mut GatherCost,
+    ) -> (SharpLight, bool) {
+        let known = known.filter(|(_, old)| old.samples.taken == patch.samples);
         let places = match (validity, known) {
             (Validity::Doubtful, Some((b, old))) if b.rays_stay() => old.samples.clone(),
-            _ => Arc::new(self.places(&patch, validity, &mut cost.rays)),
+            _ => Arc::new(self.places(patch, validity, &mut cost.rays)),
         };
         // Samples left out send no shadow rays either.
         let known = known.filter(|(_, old)| old.samples == places);
-        let sphere = Bounds::of(mesh.corners(triangle)).sphere();
-        let (valid, shadow) = (&*places.valid, &mut cost.shadow);
-        SharpLight {
-            lights: self.lights(&patch, valid, known, sphere, &mut shadow.lights),
+        let (valid, sphere, mut calm) = (&*places.valid, patch.sphere(), true);
+        let lights = self.scene.lights.iter().enumerate().map(|(l, light)| {
+            let share = known.and_then(|(b, old)| b.light(l, light, old, sphere));
+            share.or_else(|| {
+                wanted(light).then(|| {
+                    let (share, shadow) = self.light(l, patch, valid);
+                    cost.shadow.lights += shadow.rays;
+                    calm &= shadow.agreed().is_some();
+                    share
+                })
+            })
+        });
+        let lights = lights.collect();
+        let mut sampled = |from: &Emitters, salt| {
+            let (shares, shadows) = self.sampled(from, salt, patch, valid);
+            cost.shadow.emitters += shadows.rays;
+            // What many elements reflect has no edges.
+            calm &= shadows.calm || from.are_reflectors();
+            shares
+        };
+        let light = SharpLight {
+            lights,
             emitters: match known {
-                Some((b, t)) if b.emitters_stay(self, sphere) => b.translate(&t.emitters),
-                _ => self.sampled(&self.emitters, 0, &patch, valid, &mut shadow.emitters),
+                Some((b, old)) if b.emitters_stay(self, sphere) => b.translate(&old.emitters),
+                _ => sampled(&self.emitters, 0),
             },
             reflectors: match known {
-                Some((b, t)) if b.reflectors_stay(self, sphere) => b.translate(&t.reflectors),
-                _ => self.sampled(&self.reflectors, 2, &patch, valid, &mut shadow.emitters),
+                Some((b, old)) if b.reflectors_stay(self, sphere) => b.translate(&old.reflectors),
+                _ => sampled(&self.reflectors, 2),
             },
             samples: places,
-        }
+        };
+        (light, calm)
     }
 
     /// Which samples of a triangle count.
     fn places(&self, patch: &Patch, validity: Validity, traced: &mut u64) -> SamplePlaces {
         let all = 0..patch.samples;
         let valid = match validity {
-            Validity::Known(bundle) => bundle.valid().collect(),
+            Validity::Known(bundle) => bundle.valid().filter(|&i| i < patch.samples).collect(),
             Validity::Sound => all.collect(),
             Validity::Doubtful => all.filter(|&i| !self.inside(patch, i, traced)).collect(),
         };
@@ -210,7 +266,6 @@ impl Gather<'_> {
         mesh: &'m ReceiverMesh,
         object: usize,
         triangle: usize,
-        density: f32,
     ) -> Option<Patch<'m>> {
         let corners = mesh.corners(triangle);
         let live = self.aids.live[object][mesh.source(triangle)];
@@ -219,18 +274,15 @@ impl Gather<'_> {
         if live == NO_TRIANGLE || normal == Vec3::ZERO {
             return None;
         }
-        let area = area(corners);
-        // An even number: the half-sets are of one size.
-        let pairs = (0.5 * density * area.sqrt()).round() as u32;
         let salt = hash(self.aids.seeds[object], self.settings.seed ^ 0x6A7E);
         Some(Patch {
             mesh,
             triangle,
-            area,
+            area: area(corners),
             normal,
             side,
             live,
-            samples: (2 * pairs).clamp(2, MAX_SAMPLES),
+            samples: 0,
             seed: hash(triangle as u32, salt),
             places: OnceCell::new(),
         })
@@ -377,38 +429,18 @@ impl Gather<'_> {
         }
     }
 
-    /// What each light brings to a triangle. Dark lights, and those of the engine, wait until they
-    /// are wanted.
-    fn lights(
-        &self,
-        patch: &Patch,
-        valid: &[u32],
-        known: Option<(&GatherBefore, &SharpLight)>,
-        sphere: Sphere,
-        rays: &mut u64,
-    ) -> Vec<Option<Share>> {
-        let light = |(l, light): (usize, &Light)| {
-            let share = known.and_then(|(b, t)| {
-                let still = !crosses(&b.change.disturbed, light, sphere);
-                t.lights[b.change.light_before[l]?].filter(|_| still)
-            });
-            let wanted = shines(light) && light.direct == DirectLight::Baked;
-            share.or_else(|| wanted.then(|| self.light(l, patch, valid, rays)))
-        };
-        self.scene.lights.iter().enumerate().map(light).collect()
-    }
-
-    fn light(&self, l: usize, patch: &Patch, valid: &[u32], rays: &mut u64) -> Share {
+    /// What a light brings to a triangle.
+    fn light(&self, l: usize, patch: &Patch, valid: &[u32]) -> (Share, Shadow) {
         let seed = hash(patch.seed, light_seed(self.scene, l));
-        let mut sum = Share::default();
+        let (mut sum, mut shadow) = (Share::default(), Shadow::UNKNOWN);
         for &i in valid {
             let &(b, ref place) = patch.place(i);
             let receiver = place.receiver(patch.live);
             let light = &self.scene.lights[l];
-            let brings = illumination(light, &self.occluders, &receiver, (seed, i), rays);
+            let brings = illumination(light, &self.occluders, &receiver, (seed, i), &mut shadow);
             sum += patch.share(i, b * brings);
         }
-        sum
+        (sum, shadow)
     }
 
     /// What sampled elements bring to a triangle; `salt` keeps the two kinds of samples apart.
@@ -418,10 +450,9 @@ impl Gather<'_> {
         salt: u32,
         patch: &Patch,
         valid: &[u32],
-        rays: &mut u64,
-    ) -> Arc<[(u32, Share)]> {
+    ) -> (Arc<[(u32, Share)]>, ShadowsOfEmitters) {
         if from.tree.leaves.is_empty() {
-            return Arc::default();
+            return (Arc::default(), ShadowsOfEmitters::NONE);
         }
         let mut sums = Vec::new();
         let seed = if salt == 0 {
@@ -437,7 +468,7 @@ impl Gather<'_> {
             rays: from.samples,
             seed,
         };
-        *rays += from.light(
+        let shadows = from.light(
             self.elements,
             &self.occluders,
             &group,
@@ -446,7 +477,7 @@ impl Gather<'_> {
                 add(&mut sums, element, patch.share(i, patch.place(i).0 * light));
             },
         );
-        sums.into()
+        (sums.into(), shadows)
     }
 }
 
@@ -466,6 +497,19 @@ impl<'a> GatherBefore<'a> {
             && self.change.same_elements
             && !self.new_emitters
             && !self.new_reflectors
+    }
+
+    /// What a light that is still as it was brought to a triangle.
+    fn light(&self, l: usize, light: &Light, old: &SharpLight, sphere: Sphere) -> Option<Share> {
+        let still = !crosses(&self.change.disturbed, light, sphere);
+        old.lights[self.change.light_before[l]?].filter(|_| still)
+    }
+
+    fn sharp_stays(&self, gather: &Gather, old: &SharpLight, sphere: Sphere) -> bool {
+        let mut lights = gather.scene.lights.iter().enumerate();
+        lights.all(|(l, light)| !wanted(light) || self.light(l, light, old, sphere).is_some())
+            && self.emitters_stay(gather, sphere)
+            && self.reflectors_stay(gather, sphere)
     }
 
     fn emitters_stay(&self, gather: &Gather, sphere: Sphere) -> bool {
@@ -489,7 +533,30 @@ impl<'a> GatherBefore<'a> {
     }
 }
 
+/// Whether a light's share is asked for: dark lights, and those of the engine, wait.
+fn wanted(light: &Light) -> bool {
+    shines(light) && light.direct == DirectLight::Baked
+}
+
 impl Patch<'_> {
+    fn samples_at(&self, density: f32) -> u32 {
+        // An even number: the half-sets are of one size.
+        let pairs = (0.5 * density * self.area.sqrt()).round() as u32;
+        (2 * pairs).clamp(2, MAX_SAMPLES)
+    }
+
+    fn with(&self, samples: u32) -> Self {
+        Self {
+            samples,
+            places: OnceCell::new(),
+            ..*self
+        }
+    }
+
+    fn sphere(&self) -> Sphere {
+        Bounds::of(self.mesh.corners(self.triangle)).sphere()
+    }
+
     /// Sample `i`: weights of the corners, and the place.
     fn place(&self, i: u32) -> &(Vec3, Place) {
         let place = |i| {

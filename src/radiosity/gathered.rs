@@ -28,9 +28,9 @@ const INSIDE: f32 = 0.25;
 #[derive(Default)]
 pub(crate) struct Gathered {
     /// Of the coarse meshes.
-    pub(crate) bundles: ByTriangle<Arc<Bundle>>,
+    pub(crate) bundles: Arc<ByTriangle<Arc<Bundle>>>,
     /// Of the fine meshes.
-    pub(crate) sharp: ByTriangle<SharpLight>,
+    pub(crate) sharp: Arc<ByTriangle<SharpLight>>,
 }
 
 /// Something for each triangle of each object.

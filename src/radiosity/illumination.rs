@@ -12,18 +12,50 @@ use super::validate::HALF_EXTENT;
 /// Shadow rays from a point to a rectangular light; to any other light it is one.
 const RECT_RAYS: u32 = 4;
 
+/// What shadow rays found: how many there were, and the least and the most light that passed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shadow {
+    pub(crate) rays: u64,
+    least: f32,
+    most: f32,
+}
+
+impl Shadow {
+    /// Before any ray.
+    pub(crate) const UNKNOWN: Self = Self {
+        rays: 0,
+        least: f32::INFINITY,
+        most: f32::NEG_INFINITY,
+    };
+
+    pub(crate) fn ray(&mut self, passing: f32) -> f32 {
+        self.rays += 1;
+        self.least = self.least.min(passing);
+        self.most = self.most.max(passing);
+        passing
+    }
+
+    /// What share of light passed, if it was the same for all rays; 1 if there were none.
+    pub(crate) fn agreed(&self) -> Option<f32> {
+        match self.rays {
+            0 => Some(1.0),
+            _ => (self.least == self.most).then_some(self.least),
+        }
+    }
+}
+
 /// Light that a [`Light`] of power 1 gives a receiver (irradiance / π): its true light is this times
-/// its power. `traced` counts shadow rays; `seed` and `index` place those to a rectangle, each
-/// index a block of one sequence.
+/// its power. `seed` and `index` place the shadow rays to a rectangle, each index a block of one
+/// sequence.
 pub(crate) fn illumination(
     light: &Light,
     occluders: &Occluders,
     receiver: &Receiver,
     (seed, index): (u32, u32),
-    traced: &mut u64,
+    shadow: &mut Shadow,
 ) -> f32 {
     if let LightKind::Rect { .. } = light.kind {
-        return rectangle(light.kind, occluders, receiver, (seed, index), traced);
+        return rectangle(light.kind, occluders, receiver, (seed, index), shadow);
     }
     let Some(arrival) = arrival(light.kind, receiver.position) else {
         return 0.0;
@@ -32,13 +64,12 @@ pub(crate) fn illumination(
     if cosine <= 0.0 || arrival.normal_irradiance == 0.0 {
         return 0.0;
     }
-    *traced += 1;
-    let passing = occluders.transmittance(
+    let passing = shadow.ray(occluders.transmittance(
         receiver.position,
         arrival.direction,
         arrival.distance,
         [receiver.triangle, NO_TRIANGLE],
-    );
+    ));
     arrival.normal_irradiance * passing * cosine * FRAC_1_PI
 }
 
@@ -106,7 +137,7 @@ fn rectangle(
     occluders: &Occluders,
     receiver: &Receiver,
     (seed, index): (u32, u32),
-    traced: &mut u64,
+    shadow: &mut Shadow,
 ) -> f32 {
     let LightKind::Rect {
         position,
@@ -133,11 +164,11 @@ fn rectangle(
     for i in index * RECT_RAYS..(index + 1) * RECT_RAYS {
         let [u, v, ..] = sobol(i, 3, seed);
         if let Some(way) = facet.way(receiver.normal, [u, v]) {
-            *traced += 1;
             let skip = [receiver.triangle, NO_TRIANGLE];
             let (from, to) = (receiver.position, way.direction());
             whole += way.brings;
-            seen += way.brings * occluders.transmittance(from, to, way.distance, skip);
+            let passing = occluders.transmittance(from, to, way.distance, skip);
+            seen += way.brings * shadow.ray(passing);
         }
     }
     if whole > 0.0 {

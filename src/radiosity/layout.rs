@@ -19,6 +19,8 @@ const FIRST_RAYS: u32 = 2;
 pub(crate) struct Layout {
     /// Area of a patch, in squared internal units.
     pub(crate) patch: f32,
+    /// Elements, so many times what the settings say.
+    pub(crate) more: f32,
     /// Whether elements differ in size: then small pieces between bumps are merged with others.
     pub(crate) adapted: bool,
     /// The cut of a patch that nothing is known of.
@@ -42,6 +44,7 @@ impl Layout {
         let rays = settings.element_rays as u16;
         Self {
             patch: Self::wanted(scene, settings),
+            more: 1.0,
             adapted: false,
             otherwise: Cut { m: 1, rays },
             of_object: Vec::new(),
@@ -64,6 +67,7 @@ impl Layout {
     pub(crate) fn looked_at(&self, of_object: Vec<Arc<[Cut]>>, settings: &BakeSettings) -> Self {
         Self {
             patch: self.patch,
+            more: self.more,
             adapted: true,
             otherwise: Cut {
                 m: USUAL,
@@ -82,7 +86,8 @@ impl Layout {
 
     /// How much larger or smaller elements would be that fit the scene.
     pub(crate) fn outgrown(&self, scene: &ValidScene, settings: &BakeSettings) -> f32 {
-        Self::wanted(scene, settings) * f32::from(self.otherwise.m).powi(2) / self.patch
+        let wanted = Self::wanted(scene, settings) / self.more;
+        wanted * f32::from(self.otherwise.m).powi(2) / self.patch
     }
 
     pub(crate) fn cut(&self, object: usize, patch: usize) -> Cut {

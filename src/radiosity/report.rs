@@ -28,8 +28,8 @@ pub struct Report {
     /// pixels to aliasing, beside the mean light. Estimated by asking a few elements twice.
     pub element_error: f32,
     /// Sampling error of the vertex light, RMS beside the mean: estimated from two half-sets of
-    /// samples fitted separately, and from what the elements' error adds. A bake that only put other colours into the samples of the one before it
-    /// repeats that one's estimate.
+    /// samples fitted separately, and from what the elements' error adds. A bake that only put
+    /// other colours into the samples of the one before it repeats that one's estimate.
     pub sampling_error: f32,
     /// Area-weighted mean of the stored light (irradiance / π), luminance in cd/m².
     pub mean_light: f32,
@@ -53,6 +53,20 @@ pub struct ErrorEstimate {
     pub elements: f32,
     /// What stopping the solver early leaves, at most.
     pub solver: f32,
+}
+
+impl ErrorEstimate {
+    /// From its parts, which have nothing to do with each other.
+    pub(crate) fn new(meshing: f32, sampling: f32, elements: f32, solver: f32) -> Self {
+        let parts = [meshing, sampling, elements, solver];
+        Self {
+            total: parts.iter().map(|e| e * e).sum::<f32>().sqrt(),
+            meshing,
+            sampling,
+            elements,
+            solver,
+        }
+    }
 }
 
 /// Why a bake stopped looking for less error.

@@ -231,7 +231,7 @@ impl Judge<'_> {
 
     /// What elements of constant light leave out, and the rays to tell.
     fn left_out(&self, seen: &[Vec3A], observer: &dyn Observer) -> Result<(f32, u64), Cancelled> {
-        let (Some(first), level) = (self.first, self.level()) else {
+        let Some(first) = self.first else {
             return Ok((0.0, 0));
         };
         let fine = Sent {
@@ -242,15 +242,9 @@ impl Judge<'_> {
             elements: &first.elements,
             light: &first.seen,
         };
-        let (apart, rays) = apart(self.view, fine, coarse, observer)?;
-        Ok((
-            if level > 0.0 {
-                (apart / level) as f32
-            } else {
-                0.0
-            },
-            rays,
-        ))
+        let arriving = &self.solution.arriving;
+        let (apart, rays) = apart(self.view, arriving, (fine, coarse), observer)?;
+        Ok((apart as f32, rays))
     }
 
     /// Mean light that arrives.

@@ -8,6 +8,7 @@ use super::element::Elements;
 use super::emitter_tree::EmitterTree;
 use super::fit::Smoothing;
 use super::form_factor::Traced;
+use super::gather::Density;
 use super::gathered::Gathered;
 use super::layout::Layout;
 use super::occlusion::Hierarchy;
@@ -49,8 +50,7 @@ pub(crate) struct Stages {
 pub(crate) struct Plan {
     /// How surfaces are cut into elements.
     pub(crate) layout: Arc<Layout>,
-    /// Samples per square root of a triangle's area, of coarse and fine meshes.
-    pub(crate) density: [f32; 2],
+    pub(crate) density: Density,
     /// Emissive triangles to sample.
     pub(crate) emitters: Arc<EmitterTree>,
     /// Elements to sample for the light they reflect.

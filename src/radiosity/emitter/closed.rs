@@ -1,10 +1,11 @@
 use glam::Vec3;
 
-use super::{Emitters, Group, Light, Receiver};
+use super::{Emitters, Group, Light, Receiver, ShadowsOfEmitters};
 use crate::radiosity::direct::add;
 use crate::radiosity::element::Elements;
 use crate::radiosity::emitter_tree::Leaf;
 use crate::radiosity::facet::{Facet, Way};
+use crate::radiosity::illumination::Shadow;
 use crate::radiosity::occlusion::{OFFSET, Occluders};
 use crate::radiosity::sampling::{hash, sobol};
 
@@ -53,8 +54,7 @@ struct Lamp<'c> {
     /// What it may bring to all of them, to be held against other lamps.
     light: f64,
     sights: Vec<Sight>,
-    /// The least and the most light that rays found to pass.
-    passing: (f32, f32),
+    shadow: Shadow,
 }
 
 /// A lamp as one receiver sees it, and what rays say: `Σ w` and, by element, `Σ w V`.
@@ -67,9 +67,8 @@ struct Sight {
 }
 
 impl Closed<'_> {
-    /// Tells `found` the light of each lamp's elements at each receiver. Returns how many shadow
-    /// rays that took.
-    pub(super) fn light(&self, found: &mut impl FnMut(usize, u32, f32)) -> u64 {
+    /// Tells `found` the light of each lamp's elements at each receiver.
+    pub(super) fn light(&self, found: &mut impl FnMut(usize, u32, f32)) -> ShadowsOfEmitters {
         let leaves = &self.emitters.tree.leaves;
         let lamps = leaves.chunk_by(Leaf::is_one_lamp_with);
         let mut lamps: Vec<Lamp> = (0..)
@@ -78,11 +77,13 @@ impl Closed<'_> {
             .filter(|lamp| lamp.light > 0.0)
             .collect();
         let all: f64 = lamps.iter().map(|lamp| lamp.light).sum();
-        let mut traced = 0;
+        let mut shadows = ShadowsOfEmitters::NONE;
         for lamp in &mut lamps {
             // Rays by what it may bring, one at least.
             let rays = (f64::from(self.group.rays) * lamp.light / all).round();
-            traced += self.rounds(lamp, rays.max(1.0) as u32);
+            self.rounds(lamp, rays.max(1.0) as u32);
+            shadows.rays += lamp.shadow.rays;
+            shadows.calm &= lamp.shadow.agreed().is_some();
             for (k, sight) in lamp.sights.iter().enumerate() {
                 for &(e, seen) in &sight.seen {
                     let light = sight.factor * seen / sight.whole;
@@ -90,7 +91,7 @@ impl Closed<'_> {
                 }
             }
         }
-        traced
+        shadows
     }
 
     fn lamp<'l>(&self, leaves: &'l [Leaf], seed: u32) -> Lamp<'l> {
@@ -117,33 +118,31 @@ impl Closed<'_> {
             seed,
             light,
             sights,
-            passing: (f32::INFINITY, f32::NEG_INFINITY),
+            shadow: Shadow::UNKNOWN,
         }
     }
 
     /// Both rounds of rays to a lamp, `rays` from each receiver.
-    fn rounds(&self, lamp: &mut Lamp, rays: u32) -> u64 {
+    fn rounds(&self, lamp: &mut Lamp, rays: u32) {
         let blocks = self.group.blocks;
         let first = rays
             .div_ceil(FIRST)
-            .max(AGREEING.div_ceil(blocks))
+            .max(AGREEING.div_ceil(self.group.receivers.len() as u32))
             .min(rays);
-        let traced = self.round(lamp, 0, first, None);
-        let (least, most) = lamp.passing;
+        self.round(lamp, 0, first, None);
         let (start, rest) = (blocks * first, rays - first);
-        if least != most {
-            return traced + self.round(lamp, start, rest, None);
+        match lamp.shadow.agreed() {
+            None => self.round(lamp, start, rest, None),
+            known if lamp.leaves.iter().any(|leaf| !leaf.even) => {
+                self.round(lamp, start, rest.max(SHARING), known);
+            }
+            Some(_) => {}
         }
-        if lamp.leaves.iter().any(|leaf| !leaf.even) {
-            self.round(lamp, start, rest.max(SHARING), Some(least));
-        }
-        traced
     }
 
     /// `rays` of each receiver, from `start` of the sequence on; none are traced if it is known how
     /// much passes.
-    fn round(&self, lamp: &mut Lamp, start: u32, rays: u32, known: Option<f32>) -> u64 {
-        let mut traced = 0;
+    fn round(&self, lamp: &mut Lamp, start: u32, rays: u32, known: Option<f32>) {
         for (&(block, ref receiver), sight) in self.group.receivers.iter().zip(&mut lamp.sights) {
             if sight.facets.is_empty() {
                 continue;
@@ -159,16 +158,11 @@ impl Closed<'_> {
                 let Some(element) = self.element(receiver, leaf, &way) else {
                     continue;
                 };
-                let passing = known.unwrap_or_else(|| {
-                    traced += 1;
-                    self.passing(receiver, leaf, &way)
-                });
-                let (least, most) = lamp.passing;
-                lamp.passing = (least.min(passing), most.max(passing));
+                let passing =
+                    known.unwrap_or_else(|| lamp.shadow.ray(self.passing(receiver, leaf, &way)));
                 add(&mut sight.seen, element, weight * f64::from(passing));
             }
         }
-        traced
     }
 
     fn passing(&self, receiver: &Receiver, leaf: &Leaf, way: &Way) -> f32 {

@@ -56,11 +56,28 @@ pub(crate) struct Receiver {
 pub(crate) struct Group<'g> {
     /// Each with the block of the sequence that its rays take.
     pub(crate) receivers: &'g [(u32, Receiver)],
-    /// Blocks there are in all, as many as receivers or more.
+    /// Blocks there are in all.
     pub(crate) blocks: u32,
     /// Shadow rays of a receiver.
     pub(crate) rays: u32,
     pub(crate) seed: u32,
+}
+
+/// What shadow rays to emitters found.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ShadowsOfEmitters {
+    pub(crate) rays: u64,
+    /// The same share of each lamp's light passes to all receivers, as far as rays tell: there is no
+    /// edge of a shadow. Where points are drawn, nobody knows.
+    pub(crate) calm: bool,
+}
+
+impl ShadowsOfEmitters {
+    /// Without emitters.
+    pub(crate) const NONE: Self = Self {
+        rays: 0,
+        calm: true,
+    };
 }
 
 impl<'a> Emitters<'a> {
@@ -117,15 +134,15 @@ impl<'a> Emitters<'a> {
     }
 
     /// The light of emitters at a group of receivers: `found` is told of receivers, elements and how
-    /// much of their light arrives (irradiance / π of unit radiance). Returns how many shadow rays
-    /// that took.
+    /// much of their light arrives (irradiance / π of unit radiance). Returns what shadow rays that
+    /// took.
     pub(crate) fn light(
         &self,
         elements: &Elements,
         occluders: &Occluders,
         group: &Group,
         mut found: impl FnMut(usize, u32, f32),
-    ) -> u64 {
+    ) -> ShadowsOfEmitters {
         if self.tree.few() {
             let closed = Closed {
                 emitters: self,
@@ -135,10 +152,10 @@ impl<'a> Emitters<'a> {
             };
             return closed.light(&mut found);
         }
-        let mut traced = 0;
+        let mut shadows = ShadowsOfEmitters::default();
         for (k, &(block, ref receiver)) in group.receivers.iter().enumerate() {
             let samples = block * group.rays..(block + 1) * group.rays;
-            traced += self.sample(
+            shadows.rays += self.sample(
                 elements,
                 occluders,
                 receiver,
@@ -149,7 +166,7 @@ impl<'a> Emitters<'a> {
                 },
             );
         }
-        traced
+        shadows
     }
 
     /// How much of the light counts that a ray of density cos/π came upon: none of what is known in

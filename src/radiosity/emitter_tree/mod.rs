@@ -82,9 +82,6 @@ pub(crate) const WIDE: f32 = 0.1;
 /// leaf, where drawing one by what it may send costs the tree's depth.
 const FEW: usize = 16;
 
-/// Elements that reflect more than this many times the mean are sampled in the gather.
-const BRIGHT: f32 = 6.0;
-
 /// The share of the light above that limit that known bright elements must send to be good enough.
 const COVERED: f64 = 0.8;
 
@@ -122,9 +119,9 @@ impl EmitterTree {
     /// the floor of a dark room, the ceiling above a lamp. Rays that find such an element by chance
     /// would make bright specks.
     pub(crate) fn bright(scene: &ValidScene, elements: &Elements, reflected: &[Vec3A]) -> Self {
-        let mean = elements.mean(reflected).element_sum() as f32;
+        let limit = elements.bright(reflected);
         let mut bright: Vec<u32> = (0..elements.len() as u32)
-            .filter(|&e| reflected[e as usize].element_sum() > BRIGHT * mean)
+            .filter(|&e| reflected[e as usize].element_sum() > limit)
             .collect();
         if bright.len() > MOST_BRIGHT {
             let light = |e: &u32| reflected[*e as usize].element_sum();
@@ -199,10 +196,10 @@ impl EmitterTree {
     /// Whether the elements of a tree made by [`Self::bright`] still send most of the light that
     /// makes elements bright.
     pub(crate) fn covers(&self, elements: &Elements, reflected: &[Vec3A]) -> bool {
-        let mean = elements.mean(reflected).element_sum() as f32;
+        let limit = elements.bright(reflected);
         let (mut all, mut covered) = (0.0_f64, 0.0_f64);
         for (e, light) in reflected.iter().enumerate() {
-            let excess = (light.element_sum() - BRIGHT * mean).max(0.0);
+            let excess = (light.element_sum() - limit).max(0.0);
             let power = f64::from(excess * elements.area[e]);
             all += power;
             covered += f64::from(u8::from(self.first_leaf[e].is_some())) * power;

@@ -69,10 +69,14 @@ impl Run<'_> {
     }
 
     fn first_layout(&self) -> Layout {
-        if self.settings.adapt {
+        let layout = if self.settings.adapt {
             Layout::first_look(self.scene, self.settings)
         } else {
             Layout::even(self.scene, self.settings)
+        };
+        Layout {
+            more: self.more_elements,
+            ..layout
         }
     }
 

@@ -1,6 +1,7 @@
 //! A bake from end to end, in two halves: the light of elements, and that of vertices.
 
 mod elements;
+mod finer;
 mod first_look;
 mod passes;
 mod vertices;
@@ -23,7 +24,7 @@ use super::emitter::Emitters;
 use super::emitter_tree::EmitterTree;
 use super::findings::{Findings, VertexFindings};
 use super::form_factor::{Traced, View};
-use super::gather::{Aids, Gather};
+use super::gather::{Aids, Density, Gather};
 use super::gathered::Shining;
 use super::layout::Layout;
 use super::observer::{Observer, Stage};
@@ -42,6 +43,8 @@ use super::validate::ValidScene;
 struct Run<'a> {
     scene: &'a ValidScene,
     settings: &'a BakeSettings,
+    /// How many times as many elements these say as the settings given.
+    more_elements: f32,
     start: Start<'a>,
     change: Option<Change>,
     observer: &'a dyn Observer,
@@ -80,11 +83,18 @@ pub(crate) fn run(
     let cuts = contacts(scene, settings, &start, observer)?;
     let cut_scene = cut::apply(scene, &cuts).map(Arc::new);
     let scene = cut_scene.as_deref().unwrap_or(scene);
+    let finer;
     let mut run = Run::new(scene, settings, start.in_cut_scene(), &deadline);
     if settings.refine {
         run.stages.push((Stage::Contacts, begun.elapsed()));
     }
-    let solved = run.solved()?;
+    let mut solved = run.solved()?;
+    finer = run.finer(&solved, &deadline);
+    if let Some(finer) = &finer {
+        run.more_elements = finer.elements as f32 / settings.elements as f32;
+        run.settings = finer;
+        solved = run.solved()?;
+    }
     run.lit(solved, (cuts, cut_scene.clone()), &deadline)
 }
 
@@ -136,6 +146,7 @@ impl<'a> Run<'a> {
         Self {
             scene,
             settings,
+            more_elements: 1.0,
             start,
             change: None,
             observer,
@@ -167,7 +178,7 @@ impl<'a> Run<'a> {
             ],
             lit_from_behind: &lit_from_behind,
             settings: self.settings,
-            density: [0.0; 2],
+            density: Density::default(),
             remember: self.start.remember,
             aids: Aids::new(self.scene),
         };
@@ -210,7 +221,7 @@ impl<'a> Run<'a> {
             arrived: solved.arrived,
             solution: solved.solution,
             error: solved.error,
-            gathered: Arc::new(pass.gathered),
+            gathered: Arc::new(pass.inside.gathered()),
             cut_scene,
         };
         Ok((bake, stages))

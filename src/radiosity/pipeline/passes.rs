@@ -2,26 +2,27 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::vertices::Inside;
 use super::{Run, Solved};
 use crate::radiosity::bake::BakeError;
 use crate::radiosity::baked::Bake;
 use crate::radiosity::estimate::vertices_within;
-use crate::radiosity::fit::{Fit, Samples};
-use crate::radiosity::gather::Gather;
-use crate::radiosity::gathered::{Gathered, Shining};
+use crate::radiosity::fit::Fit;
+use crate::radiosity::gather::{Density, Gather};
+use crate::radiosity::gathered::Shining;
+use crate::radiosity::kind::ByKind;
 use crate::radiosity::observer::{Observer, Stage};
 use crate::radiosity::partial::PartialLight;
 use crate::radiosity::receivers::Receivers;
-use crate::radiosity::refine::{Asked, Control, Refinement};
+use crate::radiosity::refine::{Asked, Control, Found, Refinement};
 use crate::radiosity::report::Stopped;
 
 /// The light of vertices, as one pass found it.
 pub(crate) struct Pass {
     pub(crate) receivers: Receivers,
     pub(crate) refinement: Arc<Refinement>,
-    pub(crate) density: [f32; 2],
-    pub(crate) gathered: Gathered,
-    pub(crate) samples: Samples,
+    pub(crate) density: Density,
+    pub(crate) inside: Inside,
     pub(crate) fitted: Fit,
     /// How far off it is; of a bake that refines.
     pub(crate) control: Option<Control>,
@@ -32,31 +33,52 @@ pub(crate) struct Pass {
 #[derive(Clone, Copy, Debug)]
 struct Effort {
     /// Relative RMSE that the meshes may leave.
-    mesh: f64,
-    /// Samples, so many times what the settings say, of smooth light and of light with sharp edges.
-    samples: [f32; 2],
+    mesh: ByKind<f64>,
+    /// Samples, so many times what the settings say.
+    samples: ByKind<f32>,
 }
 
 /// The first pass is a quick look, with this share of the samples; later ones take no less.
-const FIRST_SAMPLES: f32 = 0.5;
+const FIRST_SAMPLES: f32 = 1.0;
 
-/// Shares of the error asked for that the later passes aim at: meshes, and samples of either kind of
-/// light. Their squares add up to less than 1, so that most passes that aim there arrive.
-const MESH: f64 = 0.75;
-const SAMPLES: f64 = 0.5;
+/// Shares of the aim that meshes and samples may leave, squares of which add up to less than 1.
+///
+/// With `V` vertices meshes leave `m ∝ 1/V`, and `S` samples `n ∝ √(V/S)`, so that for the error `e`
+///
+/// ```text
+///   S ∝ V / (e² − m²)      ┌─────────────────────────┐
+///                          │  m² = e²/3   n² = 2e²/3 │   takes the fewest samples.
+///                          └─────────────────────────┘
+/// ```
+const MESH: ByKind<f64> = ByKind {
+    smooth: 0.33,
+    sharp: 0.52,
+};
+const SAMPLES: ByKind<f64> = ByKind {
+    smooth: 0.5,
+    sharp: 0.5,
+};
 
-/// Share of the aim that the noise of rays may have, and of the mesh's error that that of light with
-/// sharp edges may.
-const SMOOTH_SAMPLES: f64 = 0.45;
-const SHARP_SAMPLES: f64 = 0.45;
+/// How much more is left by vertices fitted to all faces around them than by the best light for each
+/// face alone, which is what refinement goes by.
+const FIT: f64 = 2.5;
 
 /// Samples are spread so evenly that their error falls faster than by chance: as their number to the
 /// power of −0.7.
 const SAMPLES_BY_ERROR: f64 = 1.0 / 0.7;
 
+/// Later passes aim at this share of the aim, so that most of them arrive.
+const AIM: f64 = 0.88;
+
+/// Steps to the right share, each of which halves what it may be off by.
+const HALVINGS: u32 = 20;
+
 /// From one pass to the next, samples at most, and mesh error at least.
 const MORE_SAMPLES: f64 = 16.0;
-const LESS_MESH: f64 = 0.25;
+const LESS_MESH: f64 = 0.4;
+
+/// Meshes are not made anew, nor samples taken, to leave this share of their error, or more.
+const NOT_WORTH: f64 = 0.8;
 
 /// From one pass to the next, so many times the vertices at most, these counted at least.
 const MORE_VERTICES: usize = 8;
@@ -65,8 +87,9 @@ const FEW_VERTICES: usize = 1024;
 /// A pass is of use if it leaves this share of the error of the one before, or less.
 const USEFUL: f64 = 0.85;
 
-/// Passes aim at this share of what is asked.
-const VERTICES: f64 = 0.9;
+/// The share of the error asked for that vertices may leave in any case: elements and solver, which
+/// passes cannot mend, leave the rest.
+const VERTICES: f64 = 0.7;
 
 /// Passes at most.
 const PASSES: usize = 6;
@@ -83,7 +106,7 @@ impl Run<'_> {
         show: &dyn Fn(&Self, &Pass),
     ) -> Result<Pass, BakeError> {
         if let Some(known) = self.known_receivers(solved) {
-            let pass = self.pass(gather, shining, known, [1.0; 2])?;
+            let pass = self.pass(gather, shining, known, ByKind::both(1.0), None)?;
             let before = self.start.before.map(|b| &b.stages.plan);
             return Ok(match self.start.plan.or(before) {
                 Some(plan) => Pass {
@@ -94,11 +117,15 @@ impl Run<'_> {
             });
         }
         let (most, by_memory) = self.most_vertices(solved);
-        // The rest is for elements and solver, which passes cannot mend.
-        let aim = VERTICES * f64::from(self.settings.error);
+        let asked = f64::from(self.settings.error);
+        let elements = self.findings(solved).error_of_elements();
+        let aim = (asked * asked - elements * elements)
+            .max(0.0)
+            .sqrt()
+            .max(VERTICES * asked);
         let mut effort = Effort {
-            mesh: aim,
-            samples: [FIRST_SAMPLES; 2],
+            mesh: MESH.map(|share| share * aim / FIT),
+            samples: ByKind::both(FIRST_SAMPLES),
         };
         let mut best: Option<Pass> = None;
         for left in (0..PASSES).rev() {
@@ -107,11 +134,15 @@ impl Run<'_> {
                 error: effort.mesh,
                 max_vertices: most.min(MORE_VERTICES * before.max(FEW_VERTICES)),
             };
-            let good = |b: &&Pass| b.refinement.error <= effort.mesh || before >= goal.max_vertices;
-            let kept = best.as_ref().filter(good);
-            let meshes = kept.map(|b| (b.receivers.clone(), b.refinement.clone()));
-            let next = self.aimed_pass(gather, shining, solved, (&goal, meshes), effort, deadline);
-            let pass = match next {
+            let pass = self.aimed_pass(
+                gather,
+                shining,
+                solved,
+                (&goal, best.as_ref()),
+                effort,
+                deadline,
+            );
+            let pass = match pass {
                 Err(BakeError::Cancelled) if deadline.is_over() => {
                     return best
                         .ok_or(BakeError::Cancelled)
@@ -119,13 +150,17 @@ impl Run<'_> {
                 }
                 pass => pass?,
             };
-            let total = pass.control.unwrap_or_default().bound;
+            let total = pass.bound();
             if total <= aim {
-                return Ok(pass.stopped(Stopped::Error));
+                let stopped = if total.hypot(elements) <= asked {
+                    Stopped::Error
+                } else {
+                    Stopped::Limit
+                };
+                return Ok(pass.stopped(stopped));
             }
             let full = pass.refinement.full && goal.max_vertices == most;
-            let useless = (best.as_ref())
-                .is_some_and(|b| total > USEFUL * b.control.unwrap_or_default().bound);
+            let useless = (best.as_ref()).is_some_and(|b| total > USEFUL * b.bound());
             let next = self.next(&pass, effort, aim, full);
             let Some(next) = next.filter(|_| left > 0 && (full || !useless)) else {
                 return Ok(pass.stopped(match (full, by_memory) {
@@ -148,15 +183,24 @@ impl Run<'_> {
         gather: &mut Gather,
         shining: &Shining,
         solved: &Solved,
-        (asked, meshes): (&Asked, Option<(Receivers, Arc<Refinement>)>),
+        (asked, before): (&Asked, Option<&Pass>),
         effort: Effort,
         deadline: &Deadline,
     ) -> Result<Pass, BakeError> {
-        let meshes = match meshes {
-            Some(meshes) => meshes,
-            None => self.refine(gather, shining, solved, asked, deadline.for_meshes())?,
+        let good = |b: &&Pass| {
+            let Refinement { error, full, .. } = *b.refinement;
+            let fine = error.smooth <= asked.error.smooth && error.sharp <= asked.error.sharp;
+            fine || full && b.receivers.fine.vertex_count() >= asked.max_vertices
         };
-        let mut pass = self.pass(gather, shining, meshes, effort.samples)?;
+        let meshes = match before.filter(good) {
+            Some(before) => (before.receivers.clone(), before.refinement.clone()),
+            None => {
+                let earlier = before.map(|b| &*b.refinement);
+                let until = deadline.for_meshes();
+                self.refine(gather, shining, solved, (asked, earlier), until)?
+            }
+        };
+        let mut pass = self.pass(gather, shining, meshes, effort.samples, before)?;
         let control = self.control(gather, shining, &pass.receivers, &pass.fitted)?;
         pass.control = Some(control);
         Ok(pass)
@@ -167,17 +211,17 @@ impl Run<'_> {
         gather: &mut Gather,
         shining: &Shining,
         (receivers, refinement): (Receivers, Arc<Refinement>),
-        samples: [f32; 2],
+        samples: ByKind<f32>,
+        earlier: Option<&Pass>,
     ) -> Result<Pass, BakeError> {
         gather.density = self.density(&receivers, samples);
-        let (gathered, samples) = self.gather(gather, shining, &receivers)?;
-        let fitted = self.fit(&samples, &receivers)?;
+        let inside = self.gather(gather, shining, &receivers, earlier)?;
+        let fitted = self.fit(&inside, &receivers)?;
         Ok(Pass {
             receivers,
             refinement,
             density: gather.density,
-            gathered,
-            samples,
+            inside,
             fitted,
             control: None,
             stopped: Stopped::AsGiven,
@@ -185,36 +229,39 @@ impl Run<'_> {
     }
 
     /// Where the next pass does more, or less; `None` if nothing would help.
-    ///
-    /// The refinement's own idea of the error is an indicator: only its ratio counts. Where an edge of
-    /// light crosses a triangle, the samples in it say as little of it as the mesh can carry, so the
-    /// noise of light with sharp edges goes down with what the mesh leaves, and is held against that;
-    /// that of rays does not, and is held against the aim.
     fn next(&self, pass: &Pass, effort: Effort, aim: f64, full: bool) -> Option<Effort> {
-        let [sharp, smooth] = pass.fitted.smoothing.by_kind.map(f64::from);
-        let sampling = sharp.hypot(smooth);
-        let control = pass.control.unwrap_or_default().bound;
-        let mesh = (control * control - sampling * sampling)
-            .max(0.01 * aim * aim)
-            .sqrt();
-        let times = |error: f64, aim: f64, power: f64| {
-            ((error / aim).powf(power)).clamp(1.0 / MORE_SAMPLES, MORE_SAMPLES) as f32
+        let found = Parts::found(pass, aim);
+        let may = found.cut_down_to(AIM * aim, aim);
+        let times = |error: f64, may: f64, power: f64| {
+            ((error / may.max(f64::MIN_POSITIVE)).powf(power))
+                .clamp(1.0 / MORE_SAMPLES, MORE_SAMPLES)
         };
-        let samples = [
-            effort.samples[0] * times(smooth, SMOOTH_SAMPLES * aim, SAMPLES_BY_ERROR),
-            effort.samples[1] * times(sharp, SHARP_SAMPLES * mesh.max(MESH * aim), 2.0),
-        ];
+        // Where an edge of light crosses a triangle, the samples in it say as little of it as the mesh
+        // can carry: their noise goes down with what the mesh leaves, and need be no less.
+        let sharp = (may.noise.sharp).max(SAMPLES.sharp / MESH.sharp * found.mesh.sharp);
+        let samples = ByKind {
+            smooth: times(found.noise.smooth, may.noise.smooth, SAMPLES_BY_ERROR),
+            sharp: times(found.noise.sharp, sharp, 2.0),
+        };
+        let finer = may.mesh.with(found.mesh, |may, found| {
+            let times = (may / found.max(f64::MIN_POSITIVE)).clamp(LESS_MESH, 1.0);
+            if times > NOT_WORTH { 1.0 } else { times }
+        });
+        let remade = !full && finer.smooth.min(finer.sharp) < 1.0;
         let next = Effort {
-            mesh: if full {
-                effort.mesh
-            } else {
-                effort.mesh * (MESH * aim / mesh).clamp(LESS_MESH, 1.0)
+            mesh: match full {
+                true => effort.mesh,
+                false => effort.mesh.with(finer, |error, times| error * times),
             },
-            samples: samples.map(|s| s.max(FIRST_SAMPLES)),
+            samples: (effort.samples).with(samples, |s, times| match times > 1.0 / NOT_WORTH {
+                true => s * times as f32,
+                false if remade => (s * times as f32).max(FIRST_SAMPLES),
+                false => s,
+            }),
         };
         // With the meshes as fine as may be, samples help until they are the smaller part.
-        let useful = !full || sampling > 0.5 * mesh;
-        let more = next.mesh < effort.mesh || sampling > SAMPLES * aim;
+        let useful = !full || found.noise.total() > 0.5 * found.mesh.total();
+        let more = remade || next.samples != effort.samples;
         (useful && more).then_some(next)
     }
 
@@ -227,7 +274,69 @@ impl Run<'_> {
     }
 }
 
+/// What the error of a pass is made of.
+#[derive(Clone, Copy, Debug)]
+struct Parts {
+    /// What linear light between vertices leaves out.
+    mesh: ByKind<f64>,
+    /// What chance leaves in vertices.
+    noise: ByKind<f64>,
+}
+
+impl Parts {
+    fn found(pass: &Pass, aim: f64) -> Self {
+        let control = pass.control.unwrap_or_default();
+        let noise = pass.fitted.smoothing.by_kind.map(f64::from);
+        // As long as there is more noise than that, the mesh is taken to be what it was made for.
+        let left = |found: Found, (noise, share): (f64, f64)| {
+            let left = (found.sure().powi(2) - noise * noise).max(0.0).sqrt();
+            if left > noise { left } else { share * aim }
+        };
+        let parts = Self {
+            mesh: (control.by_kind).with(noise.with(MESH, |n, share| (n, share)), left),
+            noise,
+        };
+        // What cannot be told apart is everybody's.
+        let more = (pass.bound() / parts.total().max(f64::MIN_POSITIVE)).max(1.0);
+        Self {
+            mesh: parts.mesh.map(|part| more * part),
+            noise: parts.noise.map(|part| more * part),
+        }
+    }
+
+    fn total(&self) -> f64 {
+        self.mesh.total().hypot(self.noise.total())
+    }
+
+    /// The least that has to be done for an error of `error`: parts that are more than their share of
+    /// the aim are cut down to the same multiple of it.
+    fn cut_down_to(self, error: f64, aim: f64) -> Self {
+        let cut = |level: f64| {
+            let least = |part: f64, share: f64| part.min(level * share * aim);
+            Self {
+                mesh: self.mesh.with(MESH, least),
+                noise: self.noise.with(SAMPLES, least),
+            }
+        };
+        let (mut low, mut high) = (0.0, 1.0 / MESH.smooth.min(SAMPLES.smooth));
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if cut(middle).total() <= error {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        cut(low)
+    }
+}
+
 impl Pass {
+    /// Relative RMSE of its light at most, as far as control tells.
+    fn bound(&self) -> f64 {
+        self.control.unwrap_or_default().found.bound()
+    }
+
     fn stopped(self, stopped: Stopped) -> Self {
         Self { stopped, ..self }
     }
@@ -264,6 +373,12 @@ impl<'a> Deadline<'a> {
         self.armed.load(Ordering::Relaxed)
             && self.limit.is_some_and(|limit| self.begun.elapsed() > limit)
             && !self.observer.cancelled()
+    }
+
+    /// Share of the time allowed that is over.
+    pub(super) fn spent(&self) -> f64 {
+        let limit = self.limit.map_or(f64::INFINITY, |l| l.as_secs_f64());
+        self.begun.elapsed().as_secs_f64() / limit
     }
 
     fn for_meshes(&self) -> Option<Instant> {

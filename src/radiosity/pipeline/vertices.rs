@@ -1,16 +1,18 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::{Run, Solved};
+use super::{Pass, Run, Solved};
 use crate::radiosity::bake::BakeError;
 use crate::radiosity::element::{Elements, SEEN_FROM_BEHIND};
 use crate::radiosity::emitter_tree::{EmitterTree, Leaf};
 use crate::radiosity::fit::{Fit, Samples, fit};
 use crate::radiosity::form_factor::GONE;
-use crate::radiosity::gather::{Gather, GatherBefore, GatherCost, Validity, density};
+use crate::radiosity::gather::{Density, Gather, GatherBefore, GatherCost, Validity, density};
 use crate::radiosity::gathered::{
     Bundle, ByTriangle, Gathered, SharpLight, Shining, TriangleSamples,
 };
+use crate::radiosity::kind::ByKind;
+use crate::radiosity::level::Level;
 use crate::radiosity::observer::Stage;
 use crate::radiosity::parallel::map_ranges;
 use crate::radiosity::receiver_mesh::ReceiverMesh;
@@ -51,6 +53,40 @@ impl Met {
     }
 }
 
+/// Light inside the triangles.
+#[derive(Clone)]
+pub(crate) struct Inside {
+    pub(crate) smooth: Arc<SmoothInside>,
+    pub(crate) sharp: Arc<SharpInside>,
+}
+
+/// Of the coarse meshes: bounced light, sky, wide emitters.
+pub(crate) struct SmoothInside {
+    bundles: Arc<ByTriangle<Arc<Bundle>>>,
+    pub(crate) samples: Vec<TriangleSamples>,
+    met: ByTriangle<Met>,
+}
+
+/// Of the fine meshes: light of lights and sampled emitters.
+pub(crate) struct SharpInside {
+    light: Arc<ByTriangle<SharpLight>>,
+    pub(crate) samples: Vec<TriangleSamples>,
+}
+
+impl Inside {
+    /// Of the samples as the fit takes them.
+    pub(crate) fn bytes(&self) -> u64 {
+        (size_of_val(&*self.smooth.samples) + size_of_val(&*self.sharp.samples)) as u64
+    }
+
+    pub(super) fn gathered(&self) -> Gathered {
+        Gathered {
+            bundles: self.smooth.bundles.clone(),
+            sharp: self.sharp.light.clone(),
+        }
+    }
+}
+
 /// Object and triangle, of all.
 fn triangles(meshes: &[ReceiverMesh]) -> Vec<(usize, usize)> {
     (meshes.iter().enumerate())
@@ -60,14 +96,17 @@ fn triangles(meshes: &[ReceiverMesh]) -> Vec<(usize, usize)> {
 
 /// From the light of elements to that of vertices.
 impl Run<'_> {
-    /// Samples per square root of a triangle's area, of the coarse meshes and of the fine ones; where
-    /// that is not known from an earlier bake, so many times what the settings say.
-    pub(super) fn density(&self, receivers: &Receivers, times: [f32; 2]) -> [f32; 2] {
+    /// Where that is not known from an earlier bake, so many times what the settings say.
+    pub(super) fn density(&self, receivers: &Receivers, times: ByKind<f32>) -> Density {
         (self.start.plan.map(|p| p.density))
             .or(self.start.before.map(|b| b.stages.plan.density))
             .unwrap_or_else(|| {
-                let meshes = [&receivers.coarse, &receivers.fine];
-                [0, 1].map(|i| times[i] * density(meshes[i], self.settings))
+                let sharp = density(&receivers.fine, self.settings);
+                Density {
+                    smooth: times.smooth * density(&receivers.coarse, self.settings),
+                    sharp: times.sharp * sharp,
+                    calm: times.sharp.min(1.0) * sharp,
+                }
             })
     }
 
@@ -140,32 +179,46 @@ impl Run<'_> {
         Some((receivers, kept.into()))
     }
 
-    /// Puts vertices where the light needs them.
+    /// Puts vertices where the light needs them, those of an `earlier` refinement too where they are
+    /// good enough.
     pub(super) fn refine(
         &mut self,
         gather: &Gather,
         shining: &Shining,
         solved: &Solved,
-        asked: &Asked,
+        (asked, earlier): (&Asked, Option<&Refinement>),
         until: Option<Instant>,
     ) -> Result<(Receivers, Arc<Refinement>), BakeError> {
         let internal = |edge: f32| edge / self.scene.scale;
         let max_edge = self.settings.max_edge.map_or(f32::INFINITY, internal);
-        let mean = solved.elements.mean_of(&solved.solution.arriving);
+        let level = self.level(solved, gather.lit_from_behind);
         self.stage(Stage::Refine, |run| {
             let refiner = Refiner {
                 gather,
                 shining,
                 observer: run.observer,
-                mean,
+                level,
                 max_edge,
                 until,
             };
-            let refinement = refiner.refine(run.scene, &solved.given, asked)?;
+            let refinement = refiner.refine(run.scene, &solved.given, asked, earlier)?;
             run.work.gather_rays += refinement.rays;
             let receivers = Receivers::new(run.scene, &solved.given, &refinement);
             Ok((receivers, refinement.into()))
         })
+    }
+
+    /// How bright the sides of surfaces are that light is put on.
+    fn level(&self, solved: &Solved, lit_from_behind: &[bool]) -> Level {
+        let elements = &solved.elements;
+        let lit = (0..self.scene.objects.len()).flat_map(|o| {
+            let side = move |e: &usize| elements.is_back(*e) == lit_from_behind[o];
+            elements.of_object(o).filter(side)
+        });
+        Level::of(lit.map(|e| {
+            let light = solved.solution.arriving[e].element_sum() / 3.0;
+            (f64::from(elements.area[e]), f64::from(light))
+        }))
     }
 
     /// How far off the vertices' light is.
@@ -178,29 +231,39 @@ impl Run<'_> {
     ) -> Result<Control, BakeError> {
         self.stage(Stage::Error, |run| {
             let meshes = &receivers.fine;
-            let control = Control::run(gather, shining, meshes, &fitted.light, run.observer)?;
+            let control = Control::run(gather, shining, meshes, fitted, run.observer)?;
             run.work.error_rays += control.rays;
             Ok(control)
         })
     }
 
-    /// Light inside the triangles: traced where need be, then put together.
+    /// Light inside the triangles: traced where need be, then put together. What an `earlier` pass
+    /// sampled as densely on the same meshes is kept.
     pub(super) fn gather(
         &mut self,
         gather: &Gather,
         shining: &Shining,
         receivers: &Receivers,
-    ) -> Result<(Gathered, Samples), BakeError> {
+        earlier: Option<&Pass>,
+    ) -> Result<Inside, BakeError> {
         let objects = self.objects_to_gather(gather);
-        let (bundles, smooth, validity) =
-            self.gather_smooth(gather, receivers, shining, &objects)?;
-        let (sharp_light, sharp) =
-            self.gather_sharp(gather, receivers, shining, &objects, &validity)?;
-        let gathered = Gathered {
-            bundles,
-            sharp: sharp_light,
+        let smooth = earlier.filter(|e| {
+            Arc::ptr_eq(&e.receivers.coarse, &receivers.coarse)
+                && e.density.smooth == gather.density.smooth
+        });
+        let smooth = match smooth {
+            Some(earlier) => earlier.inside.smooth.clone(),
+            None => (self.gather_smooth(gather, receivers, shining, &objects)?).into(),
         };
-        Ok((gathered, Samples { smooth, sharp }))
+        let sharp = earlier.filter(|e| {
+            Arc::ptr_eq(&e.receivers.fine, &receivers.fine)
+                && e.density.sharp == gather.density.sharp
+        });
+        let sharp = match sharp {
+            Some(earlier) => earlier.inside.sharp.clone(),
+            None => (self.gather_sharp(gather, receivers, shining, &objects, &smooth.met)?).into(),
+        };
+        Ok(Inside { smooth, sharp })
     }
 
     /// Light that rays gather, in the coarse meshes.
@@ -210,17 +273,10 @@ impl Run<'_> {
         receivers: &Receivers,
         shining: &Shining,
         objects: &[Option<usize>],
-    ) -> Result<
-        (
-            ByTriangle<Arc<Bundle>>,
-            Vec<TriangleSamples>,
-            ByTriangle<Met>,
-        ),
-        BakeError,
-    > {
+    ) -> Result<SmoothInside, BakeError> {
         let meshes = &receivers.coarse.meshes;
         let list = triangles(meshes);
-        let same_samples = gather.density[0] == gather.density[1];
+        let same_samples = gather.density.smooth == gather.density.sharp;
         self.stage(Stage::Gather, |run| {
             let before = run.before_gather(gather, objects);
             let chunks = map_ranges(list.len(), CHUNK, Stage::Gather, run.observer, |range| {
@@ -244,7 +300,11 @@ impl Run<'_> {
                     bundles.list.extend(bundle);
                 }
             }
-            Ok((bundles, samples, met))
+            Ok(SmoothInside {
+                bundles: bundles.into(),
+                samples,
+                met,
+            })
         })
     }
 
@@ -256,7 +316,7 @@ impl Run<'_> {
         shining: &Shining,
         objects: &[Option<usize>],
         met: &ByTriangle<Met>,
-    ) -> Result<(ByTriangle<SharpLight>, Vec<TriangleSamples>), BakeError> {
+    ) -> Result<SharpInside, BakeError> {
         let meshes = &receivers.fine.meshes;
         let list = triangles(meshes);
         self.stage(Stage::Shadows, |run| {
@@ -283,7 +343,10 @@ impl Run<'_> {
                     light.list.extend(l);
                 }
             }
-            Ok((light, samples))
+            Ok(SharpInside {
+                light: light.into(),
+                samples,
+            })
         })
     }
 
@@ -314,11 +377,7 @@ impl Run<'_> {
             .collect()
     }
 
-    pub(super) fn fit(
-        &mut self,
-        samples: &Samples,
-        receivers: &Receivers,
-    ) -> Result<Fit, BakeError> {
+    pub(super) fn fit(&mut self, inside: &Inside, receivers: &Receivers) -> Result<Fit, BakeError> {
         let known = match (self.start.plan, self.start.before) {
             (Some(plan), _) => Some(&plan.smoothing),
             // Colours do not change how noisy samples are: only new samples have to be judged.
@@ -327,7 +386,11 @@ impl Run<'_> {
         };
         self.stage(Stage::Fit, |run| {
             let observer = run.observer;
-            let fitted = fit(samples, receivers, known, &|| !observer.cancelled())?;
+            let samples = Samples {
+                smooth: &inside.smooth.samples,
+                sharp: &inside.sharp.samples,
+            };
+            let fitted = fit(&samples, receivers, known, &|| !observer.cancelled())?;
             run.work.fits += 1;
             run.work.cross_validations += u64::from(known.is_none());
             Ok(fitted)

@@ -1,8 +1,11 @@
 use glam::Vec3;
 
-use super::probe::{Kind, Probe};
+use super::probe::Probe;
+use crate::radiosity::fit::Fit;
 use crate::radiosity::gather::Gather;
 use crate::radiosity::gathered::Shining;
+use crate::radiosity::kind::{ByKind, Kind};
+use crate::radiosity::level::Level;
 use crate::radiosity::observer::{Observer, Stage};
 use crate::radiosity::parallel::{Cancelled, map_ranges};
 use crate::radiosity::receiver_mesh::ReceiverMeshes;
@@ -28,19 +31,40 @@ use crate::radiosity::triangle::area;
 /// it, and points are asked until that is a small part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Control {
-    /// Relative RMSE.
-    pub(crate) error: f64,
-    /// What it is at most, give or take one standard error.
-    pub(crate) bound: f64,
+    pub(crate) found: Found,
+    /// Of either kind of light alone.
+    pub(crate) by_kind: ByKind<Found>,
     pub(crate) rays: u64,
+}
+
+/// An error, beside the mean of the light.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Found {
+    /// Mean square, and its standard error.
+    square: f64,
+    uncertain: f64,
+}
+
+impl Found {
+    /// RMSE at most, give or take one standard error.
+    pub(crate) fn bound(&self) -> f64 {
+        (self.square.max(0.0) + self.uncertain).sqrt()
+    }
+
+    /// RMSE at least, give or take one standard error.
+    pub(crate) fn sure(&self) -> f64 {
+        (self.square - self.uncertain).max(0.0).sqrt()
+    }
 }
 
 /// Points asked together, and how often at most.
 const BATCH: usize = 1024;
 const BATCHES: u32 = 8;
 
-/// Gathering rays of either set at each point.
-const RAYS: u32 = 64;
+/// Gathering rays of either set at each point, beside the error asked for; so many at least and most.
+/// The noise of a point goes down faster with its rays than that of the mean with the number of points.
+const RAYS: f32 = 2.5;
+const RAYS_LIMITS: (u32, u32) = (64, 512);
 
 /// The standard error may be this share of the square of what is asked, or of what is found.
 const CERTAIN: f64 = 0.25;
@@ -48,79 +72,81 @@ const CERTAIN: f64 = 0.25;
 /// Points a thread asks at a time.
 const CHUNK: usize = 32;
 
-/// Sums over points.
-#[derive(Clone, Copy, Default)]
-struct Sums {
-    /// Of (A − x)(B − x), and its square.
-    square: f64,
-    fourth: f64,
+/// What was found at one point: (A − x)(B − x) of all its light and of either kind, and that light.
+#[derive(Clone, Copy)]
+struct Point {
+    whole: f64,
+    by_kind: ByKind<f64>,
     light: f64,
-    points: f64,
-    rays: u64,
 }
 
-impl Sums {
-    fn join(self, other: &Self) -> Self {
-        Self {
-            square: self.square + other.square,
-            fourth: self.fourth + other.fourth,
-            light: self.light + other.light,
-            points: self.points + other.points,
-            rays: self.rays + other.rays,
-        }
+/// Errors at points, spread evenly over the surface.
+#[derive(Default)]
+struct Points {
+    list: Vec<Point>,
+    level: Level,
+}
+
+impl Points {
+    fn add(&mut self, points: impl Iterator<Item = Point>) {
+        self.list.extend(points);
+        self.level = Level::of(self.list.iter().map(|p| (1.0, p.light)));
     }
 
-    /// Mean square error and its standard error, beside the squared mean of the light.
-    fn relative(&self) -> (f64, f64) {
-        let mean = self.light / self.points.max(1.0);
-        if mean <= 0.0 {
-            return (0.0, 0.0);
+    fn found(&self, square: impl Fn(&Point) -> f64) -> Found {
+        let count = self.list.len().max(1) as f64;
+        let (mut first, mut second) = (0.0, 0.0);
+        for point in &self.list {
+            let square = self.level.relative(square(point), point.light);
+            first += square / count;
+            second += square * square / count;
         }
-        let square = self.square / self.points;
-        let variance = (self.fourth / self.points - square * square).max(0.0);
-        let error = (variance / self.points).sqrt();
-        (square / (mean * mean), error / (mean * mean))
+        Found {
+            square: first,
+            uncertain: ((second - first * first).max(0.0) / count).sqrt(),
+        }
     }
 }
 
 impl Control {
-    /// Asks for the light and compares; `light` is that of the unknowns of `meshes`.
+    /// Asks for the light and compares it with that of the unknowns of `meshes`.
     pub(crate) fn run(
         gather: &Gather,
         shining: &Shining,
         meshes: &ReceiverMeshes,
-        light: &[Vec3],
+        fitted: &Fit,
         observer: &dyn Observer,
     ) -> Result<Self, Cancelled> {
         let triangles = Triangles::new(meshes);
         let aim = f64::from(gather.settings.error).powi(2);
-        let mut sums = Sums::default();
+        let (mut points, mut rays) = (Points::default(), 0);
         for batch in 0..BATCHES {
             let ask = Ask {
                 gather,
                 shining,
                 meshes,
-                light,
+                fitted,
                 seed: hash(batch, hash(gather.settings.seed, 0xC0_57A0)),
             };
             let parts = map_ranges(BATCH, CHUNK, Stage::Error, observer, |range| {
-                let mut sums = Sums::default();
-                for i in range {
-                    ask.point(&triangles, i, &mut sums);
-                }
-                sums
+                let mut rays = 0;
+                let points = range.filter_map(|i| ask.point(&triangles, i, &mut rays));
+                (points.collect::<Vec<_>>(), rays)
             })?;
-            sums = parts.iter().fold(sums, Sums::join);
-            let (square, error) = sums.relative();
-            if error <= CERTAIN * aim.max(square) {
+            rays += parts.iter().map(|part| part.1).sum::<u64>();
+            points.add(parts.into_iter().flat_map(|part| part.0));
+            let found = points.found(|p| p.whole);
+            if found.uncertain <= CERTAIN * aim.max(found.square) {
                 break;
             }
         }
-        let (square, error) = sums.relative();
         Ok(Self {
-            error: square.max(0.0).sqrt(),
-            bound: (square.max(0.0) + error).sqrt(),
-            rays: sums.rays,
+            found: points.found(|p| p.whole),
+            by_kind: ByKind {
+                smooth: points.found(|p| p.by_kind.smooth),
+                sharp: points.found(|p| p.by_kind.sharp),
+            },
+            rays,
         })
     }
 }
@@ -158,39 +184,45 @@ struct Ask<'a> {
     gather: &'a Gather<'a>,
     shining: &'a Shining<'a>,
     meshes: &'a ReceiverMeshes,
-    light: &'a [Vec3],
+    fitted: &'a Fit,
     seed: u32,
 }
 
 impl Ask<'_> {
-    fn point(&self, triangles: &Triangles, i: usize, sums: &mut Sums) {
+    /// The error at point `i` of a batch; `None` where there is nothing to light.
+    fn point(&self, triangles: &Triangles, i: usize, rays: &mut u64) -> Option<Point> {
         let [pick, u, v, _] = sobol(i as u32, 0, self.seed);
-        let Some((o, t)) = triangles.at((i as f64 + f64::from(pick)) / BATCH as f64) else {
-            return;
-        };
+        let (o, t) = triangles.at((i as f64 + f64::from(pick)) / BATCH as f64)?;
         let probe = |kind| Probe {
             gather: self.gather,
             shining: self.shining,
             kind,
             seed: hash(i as u32, self.seed),
-            rays: RAYS,
+            rays: ((RAYS / self.gather.settings.error) as u32).clamp(RAYS_LIMITS.0, RAYS_LIMITS.1),
         };
         let (mesh, b) = (&self.meshes.meshes[o], triangle_point(u, v));
         let (smooth, sharp) = (probe(Kind::Smooth), probe(Kind::Sharp));
-        let Some(ground) = smooth.ground(mesh, o, t) else {
-            return;
+        let ground = smooth.ground(mesh, o, t)?;
+        let gathered = smooth.light(&ground, &[b], rays)[0]?;
+        let arrived = sharp.light(&ground, &[b], rays)[0].unwrap_or_default();
+        let given = |light: &[Vec3]| {
+            let corners = mesh.triangles[t].map(|v| light[mesh.unknown[v as usize] as usize]);
+            corners[0] * b.x + corners[1] * b.y + corners[2] * b.z
         };
-        let Some(gathered) = smooth.light(&ground, b, &mut sums.rays) else {
-            return;
+        let wrong = |told: [Vec3; 2], given: Vec3| {
+            let [a, c] = told.map(|light| (light - given).as_dvec3());
+            (a * c).element_sum() / 3.0
         };
-        let arrived = sharp.light(&ground, b, &mut sums.rays).unwrap_or_default();
-        let corners = mesh.triangles[t].map(|v| self.light[mesh.unknown[v as usize] as usize]);
-        let given = corners[0] * b.x + corners[1] * b.y + corners[2] * b.z;
-        let [a, c] = [0, 1].map(|set| (gathered[set] + arrived[set] - given).as_dvec3());
-        let square = (a * c).element_sum() / 3.0;
-        sums.square += square;
-        sums.fourth += square * square;
-        sums.light += f64::from((gathered[0] + arrived[0]).element_sum()) / 3.0;
-        sums.points += 1.0;
+        let whole = given(&self.fitted.light);
+        let smooth = given(&self.fitted.gathered);
+        let both = [0, 1].map(|set| gathered[set] + arrived[set]);
+        Some(Point {
+            whole: wrong(both, whole),
+            by_kind: ByKind {
+                smooth: wrong(gathered, smooth),
+                sharp: wrong(arrived, whole - smooth),
+            },
+            light: f64::from((both[0] + both[1]).element_sum()) / 6.0,
+        })
     }
 }

@@ -2,11 +2,15 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
+use glam::Vec3;
+
 use super::face::{FaceLight, Sample};
-use super::probe::{Kind, Probe};
+use super::probe::Probe;
 use crate::mesh::{Bisected, Conforming, Limits, Origin, Part, Refined};
 use crate::radiosity::gather::Gather;
 use crate::radiosity::gathered::Shining;
+use crate::radiosity::kind::{ByKind, Kind};
+use crate::radiosity::level::Level;
 use crate::radiosity::observer::{Observer, Stage};
 use crate::radiosity::occlusion::OFFSET;
 use crate::radiosity::parallel::{Cancelled, map_ranges};
@@ -23,7 +27,7 @@ pub(crate) struct Refinement {
     /// Of the coarse meshes.
     pub(crate) fine: Vec<Option<Arc<Refined>>>,
     /// Relative RMSE that the meshes leave.
-    pub(crate) error: f64,
+    pub(crate) error: ByKind<f64>,
     /// There were as many vertices as there may be.
     pub(crate) full: bool,
     /// Rays that it took.
@@ -62,8 +66,7 @@ pub(crate) struct Refiner<'a> {
     pub(crate) gather: &'a Gather<'a>,
     pub(crate) shining: &'a Shining<'a>,
     pub(crate) observer: &'a dyn Observer,
-    /// Mean light of the scene, mean over channels: errors are counted beside it.
-    pub(crate) mean: f64,
+    pub(crate) level: Level,
     /// Edges longer than this are cut whatever the light, in internal units.
     pub(crate) max_edge: f32,
     /// When to be done at the latest.
@@ -74,7 +77,7 @@ pub(crate) struct Refiner<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Asked {
     /// Relative RMSE that the meshes may leave.
-    pub(crate) error: f64,
+    pub(crate) error: ByKind<f64>,
     pub(crate) max_vertices: usize,
 }
 
@@ -99,11 +102,6 @@ struct Outcome {
     full: bool,
     rays: u64,
 }
-
-/// Shares of the error that the meshes may leave, of smooth light and of light with sharp edges:
-/// together 1, as squares add up.
-const SMOOTH: f64 = 0.45;
-const SHARP: f64 = 0.89;
 
 /// Share of the vertices that the coarse meshes may have.
 const COARSE: f64 = 0.4;
@@ -144,23 +142,36 @@ struct Work<'a> {
 
 impl Refiner<'_> {
     /// Refines the meshes of a scene: for smooth light, then inside those for light with sharp edges.
+    /// What an earlier refinement made of them for smooth light is kept if it is good enough.
     pub(crate) fn refine(
         &self,
         scene: &ValidScene,
         given: &ReceiverMeshes,
         asked: &Asked,
+        earlier: Option<&Refinement>,
     ) -> Result<Refinement, Cancelled> {
-        let goal = |kind, error: f64, share: f64| Goal {
+        let goal = |kind, share: f64| Goal {
             kind,
-            error: asked.error * error,
+            error: asked.error.of(kind),
             max_vertices: (share * asked.max_vertices as f64) as usize,
             min_edge: MIN_EDGE,
         };
-        let smooth = self.run(given, &goal(Kind::Smooth, SMOOTH, COARSE))?;
+        let smooth = match earlier.filter(|e| e.error.smooth <= asked.error.smooth) {
+            Some(earlier) => Outcome {
+                by: earlier.coarse.clone(),
+                error: earlier.error.smooth,
+                full: false,
+                rays: 0,
+            },
+            None => self.run(given, &goal(Kind::Smooth, COARSE))?,
+        };
         let coarse = given.refined(scene, &smooth.by);
-        let sharp = self.run(&coarse, &goal(Kind::Sharp, SHARP, 1.0))?;
+        let sharp = self.run(&coarse, &goal(Kind::Sharp, 1.0))?;
         Ok(Refinement {
-            error: smooth.error.hypot(sharp.error),
+            error: ByKind {
+                smooth: smooth.error,
+                sharp: sharp.error,
+            },
             full: smooth.full || sharp.full,
             coarse: smooth.by,
             fine: sharp.by,
@@ -265,14 +276,15 @@ impl<'a> Work<'a> {
 
     /// Cuts the worst faces. Which faces are others now, and whether the room was used up.
     fn cut_worst(&mut self, limits: &Limits) -> (BTreeSet<u32>, bool) {
-        let wrong = |f: &u32| self.faces[*f as usize].error() > 0.0;
-        let mut worst: Vec<u32> = (0..self.faces.len() as u32).filter(wrong).collect();
-        let error = |f: &u32| self.faces[*f as usize].error();
-        worst.sort_by(|a, b| error(b).total_cmp(&error(a)).then(a.cmp(b)));
-        let all: f64 = worst.iter().map(error).sum();
-        let errors: Vec<(u32, f64)> = worst.iter().map(|f| (*f, error(f))).collect();
+        let level = &self.refiner.level;
+        let mut worst: Vec<(u32, f64)> = (0..)
+            .zip(self.faces.iter().map(|face| face.error(level)))
+            .filter(|(_, error)| *error > 0.0)
+            .collect();
+        worst.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        let all: f64 = worst.iter().map(|(_, error)| error).sum();
         let (mut changed, mut cut) = (BTreeSet::new(), 0.0);
-        for (face, error) in errors {
+        for (face, error) in worst {
             if cut >= BULK * all {
                 break;
             }
@@ -323,14 +335,18 @@ impl<'a> Work<'a> {
         let missing = points
             .min(MOST_POINTS)
             .saturating_sub(light.samples.len() as u32);
-        for i in light.asked..light.asked + missing {
-            let [u, v, ..] = sobol(i, 0, seed);
-            let b = triangle_point(u, v);
-            let on_source = corners[0] * b.x + corners[1] * b.y + corners[2] * b.z;
-            if let Some(told) = self.probe.light(&ground, on_source, rays) {
-                light.samples.push(Sample { b, light: told });
-            }
-        }
+        let new: Vec<Vec3> = (light.asked..light.asked + missing)
+            .map(|i| {
+                let [u, v, ..] = sobol(i, 0, seed);
+                triangle_point(u, v)
+            })
+            .collect();
+        let on_source = |b: &Vec3| corners[0] * b.x + corners[1] * b.y + corners[2] * b.z;
+        let places: Vec<Vec3> = new.iter().map(on_source).collect();
+        let told = self.probe.light(&ground, &places, rays);
+        light.samples.extend(
+            (new.into_iter().zip(told)).filter_map(|(b, light)| Some(Sample { b, light: light? })),
+        );
         light.asked += missing;
         light.area = f64::from(area);
         light.judge();
@@ -339,14 +355,12 @@ impl<'a> Work<'a> {
 
     /// Relative RMSE that the mesh leaves, as far as it stands out from noise.
     fn error(&self) -> f64 {
-        let square: f64 = self.faces.iter().map(FaceLight::error).sum();
+        let errors = self
+            .faces
+            .iter()
+            .map(|face| face.error(&self.refiner.level));
         let area: f64 = self.faces.iter().map(|f| f.area).sum();
-        let error = (square / area.max(f64::MIN_POSITIVE)).sqrt();
-        if self.refiner.mean > 0.0 {
-            error / self.refiner.mean
-        } else {
-            0.0
-        }
+        (errors.sum::<f64>() / area.max(f64::MIN_POSITIVE)).sqrt()
     }
 
     fn finish(self) -> Vec<Option<Arc<Refined>>> {

@@ -1,6 +1,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use crate::mesh::Bisection;
+use crate::radiosity::level::Level;
 
 /// A point where light is known, as two sets of rays tell it.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +19,8 @@ pub(super) struct FaceLight {
     pub(super) asked: u32,
     /// Mean square over the face of what no linear light on it can follow, mean over channels.
     pub(super) misfit: f64,
+    /// Mean light, and over channels.
+    pub(super) mean: f64,
     pub(super) area: f64,
 }
 
@@ -74,6 +77,11 @@ impl FaceLight {
     /// tells, the mean is off by `σ² / √(n − 3)` by chance. What does not stand out from that is
     /// taken for nothing, or meshes would follow noise for ever.
     pub(super) fn judge(&mut self) {
+        let light = self
+            .samples
+            .iter()
+            .map(|s| f64::from((s.light[0] + s.light[1]).element_sum()));
+        self.mean = light.sum::<f64>() / (6 * self.samples.len().max(1)) as f64;
         self.misfit = 0.0;
         if self.samples.len() <= CORNERS + 1 {
             return;
@@ -110,9 +118,9 @@ impl FaceLight {
         self.misfit = (sum / (3.0 * free) - SURE * noise / free.sqrt()).max(0.0);
     }
 
-    /// Share of the whole error.
-    pub(super) fn error(&self) -> f64 {
-        self.misfit * self.area
+    /// Its part of the mean square error, relative to the level.
+    pub(super) fn error(&self, level: &Level) -> f64 {
+        level.relative(self.misfit, self.mean) * self.area
     }
 }
 

@@ -23,5 +23,5 @@ mod drive;
 mod face;
 mod probe;
 
-pub(crate) use control::Control;
+pub(crate) use control::{Control, Found};
 pub(crate) use drive::{Asked, Refinement, Refiner};

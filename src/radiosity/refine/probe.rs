@@ -1,26 +1,18 @@
 use glam::Vec3;
 
 use crate::radiosity::direct::shines;
-use crate::radiosity::emitter::Group;
+use crate::radiosity::emitter::{Emitters, Group, Receiver};
 use crate::radiosity::gather::{Gather, Place};
 use crate::radiosity::gathered::Shining;
-use crate::radiosity::illumination::illumination;
+use crate::radiosity::illumination::{Shadow, illumination};
+use crate::radiosity::kind::Kind;
 use crate::radiosity::light::DirectLight;
 use crate::radiosity::occlusion::NO_TRIANGLE;
 use crate::radiosity::receiver_mesh::ReceiverMesh;
 use crate::radiosity::sampling::{cosine_hemisphere, frame, hash, sobol};
 use crate::radiosity::triangle::face_normal;
 
-/// Which kind of light is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// What rays gather: bounced light, sky, wide emitters.
-    Smooth,
-    /// Light of lights and sampled emitters, with its shadows.
-    Sharp,
-}
-
-/// Asks for the light at single points.
+/// Asks for the light at points.
 ///
 /// Each point is told twice, by two sets of rays. Points asked with one seed share the two sets, so
 /// that light differs from point to point by what is there and not by chance; what chance leaves is
@@ -31,7 +23,7 @@ pub(super) struct Probe<'a> {
     pub(super) kind: Kind,
     /// Of the two sets of rays.
     pub(super) seed: u32,
-    /// Gathering rays of a set; shadow rays are a quarter as many.
+    /// Gathering rays of a set.
     pub(super) rays: u32,
 }
 
@@ -73,25 +65,38 @@ impl<'a> Probe<'a> {
         })
     }
 
-    /// Light (irradiance / π) at a point of a triangle, as the two sets of rays tell it; `None` inside
+    /// Light (irradiance / π) at points of a triangle, as the two sets of rays tell it; `None` inside
     /// geometry. `traced` counts rays.
-    pub(super) fn light(&self, ground: &Ground, b: Vec3, traced: &mut u64) -> Option<[Vec3; 2]> {
-        let place = Place::new(ground.mesh, ground.triangle, b, ground.normal, ground.side);
-        match self.kind {
-            Kind::Smooth => {
-                let rays = self.rays;
-                let a = self.gathered(ground, &place, (0, rays), traced)?;
-                Some([a, self.gathered(ground, &place, (1, rays), traced)?])
-            }
+    pub(super) fn light(
+        &self,
+        ground: &Ground,
+        points: &[Vec3],
+        traced: &mut u64,
+    ) -> Vec<Option<[Vec3; 2]>> {
+        let places: Vec<Place> = points.iter().map(|&b| ground.place(b)).collect();
+        let sets = match self.kind {
+            Kind::Smooth => [0, 1].map(|set| -> Vec<Option<Vec3>> {
+                let light = |place| self.gathered(ground, place, (set, self.rays), traced);
+                places.iter().map(light).collect()
+            }),
             Kind::Sharp => {
-                let light = [0, 1].map(|set| self.sharp(ground, &place, set, traced));
-                let dark = light == [Vec3::ZERO; 2];
-                if dark && self.gathered(ground, &place, (0, PROBES), traced).is_none() {
-                    return None;
-                }
-                Some(light)
+                let sets = [0, 1].map(|set| self.sharp(ground, &places, set, traced));
+                let dark = |i: usize| sets.iter().all(|set| set[i] == Vec3::ZERO);
+                let inside: Vec<bool> = (places.iter().enumerate())
+                    .map(|(i, place)| {
+                        dark(i) && self.gathered(ground, place, (0, PROBES), traced).is_none()
+                    })
+                    .collect();
+                sets.map(|set| {
+                    let known = set.into_iter().zip(&inside);
+                    known
+                        .map(|(light, &inside)| (!inside).then_some(light))
+                        .collect()
+                })
             }
-        }
+        };
+        let [a, b] = sets;
+        a.into_iter().zip(b).map(|(a, b)| Some([a?, b?])).collect()
     }
 
     /// Mean of what rays meet.
@@ -134,28 +139,57 @@ impl<'a> Probe<'a> {
         (cast > 0 && !inside).then(|| sum / cast as f32)
     }
 
-    /// What lights and sampled emitters bring, by one of two sets of shadow rays.
-    fn sharp(&self, ground: &Ground, place: &Place, set: u32, traced: &mut u64) -> Vec3 {
+    /// What lights and sampled emitters bring to places, by one of two sets of shadow rays.
+    fn sharp(&self, ground: &Ground, places: &[Place], set: u32, traced: &mut u64) -> Vec<Vec3> {
         let gather = self.gather;
-        let receiver = place.receiver(ground.live);
+        let receivers: Vec<(u32, Receiver)> = (places.iter())
+            .map(|place| (0, place.receiver(ground.live)))
+            .collect();
         let seed = hash(self.seed, hash(set, 0x5AA9));
-        let mut sum = Vec3::ZERO;
+        let mut sums = vec![Vec3::ZERO; places.len()];
+        let mut shadow = Shadow::UNKNOWN;
         for light in &gather.scene.lights {
             if light.direct == DirectLight::Baked && shines(light) {
-                let at = (seed, 0);
-                sum += light.power * illumination(light, &gather.occluders, &receiver, at, traced);
+                let occluders = &gather.occluders;
+                for (sum, (_, receiver)) in sums.iter_mut().zip(&receivers) {
+                    *sum += light.power
+                        * illumination(light, occluders, receiver, (seed, 0), &mut shadow);
+                }
             }
         }
         for from in [&gather.emitters, &gather.reflectors] {
             let group = Group {
-                receivers: &[(0, receiver)],
+                receivers: &receivers,
+                // All take the same rays.
                 blocks: 1,
-                rays: (self.rays / 4).clamp(LEAST_SHADOW_RAYS, from.samples.max(LEAST_SHADOW_RAYS)),
+                rays: self.shadow_rays(from),
                 seed,
             };
-            let brings = |_, e, light: f32| sum += self.shining.sampled(from, e) * light;
-            *traced += from.light(gather.elements, &gather.occluders, &group, brings);
+            let brings = |k: usize, e, light: f32| {
+                sums[k] += self.shining.sampled(from, e) * light;
+            };
+            *traced += from
+                .light(gather.elements, &gather.occluders, &group, brings)
+                .rays;
         }
-        sum
+        *traced += shadow.rays;
+        sums
+    }
+
+    /// Shadow rays of either set from each point: the usual number where emitters are known in closed
+    /// form, because most faces do with the first few of them, and a penumbra needs all.
+    fn shadow_rays(&self, from: &Emitters) -> u32 {
+        let usual = from.samples.max(LEAST_SHADOW_RAYS);
+        if from.tree.few() {
+            usual.max(self.rays / 8)
+        } else {
+            (self.rays / 4).clamp(LEAST_SHADOW_RAYS, usual)
+        }
+    }
+}
+
+impl Ground<'_> {
+    fn place(&self, b: Vec3) -> Place {
+        Place::new(self.mesh, self.triangle, b, self.normal, self.side)
     }
 }
