@@ -9,6 +9,9 @@ use super::weld::PositionClasses;
 /// one is a number proves that a request ends, however positions are rounded.
 const MAX_DEPTH: u8 = 40;
 
+/// Of an edge.
+const MIDDLE: f32 = 0.5;
+
 /// Sides of faces are numbered with 32 bits, three a face.
 const MAX_FACES: usize = (u32::MAX / 3) as usize;
 
@@ -21,17 +24,19 @@ pub struct Limits {
     pub min_edge: f32,
 }
 
-/// One bisection that was done: `face` keeps its number and became the half with the corners
-/// before the cut; `half` is the new face.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// One face cut in two: `face` keeps its number and became the piece with the corners before the cut;
+/// `half` is the new face.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bisection {
     /// The face that was cut.
     pub face: u32,
     /// The new face: always the next number.
     pub half: u32,
     /// Which edge was cut, by its corners in `face` as it was: `edge` and `(edge + 1) % 3`.
-    /// In `face` the corner `(edge + 1) % 3` is replaced by the midpoint, in `half` the corner `edge`.
+    /// In `face` the corner `(edge + 1) % 3` is replaced by the new vertex, in `half` the corner `edge`.
     pub edge: u8,
+    /// Where it was cut, as a share of its length from the corner `edge` on.
+    pub at: f32,
 }
 
 /// What became of a request to bisect a face.
@@ -196,6 +201,17 @@ impl Conforming {
         self.vertex_count
     }
 
+    /// How many vertices the parts before each have, all together.
+    pub fn first_vertices(&self) -> Vec<usize> {
+        let mut next = 0;
+        let first = |sheet: &Sheet| {
+            let first = next;
+            next += sheet.positions.len();
+            first
+        };
+        self.sheets.iter().map(first).collect()
+    }
+
     /// The parts as refined so far.
     pub fn parts(&self) -> Vec<Refined> {
         let mut parts: Vec<Refined> = self.sheets.iter().map(Sheet::refined).collect();
@@ -260,7 +276,7 @@ impl Conforming {
             }
             if let Some(longer) = longer {
                 path.push(longer);
-            } else if self.cut(side, limits.max_vertices, told) {
+            } else if self.cut(side, MIDDLE, limits.max_vertices, told) {
                 path.pop();
             } else {
                 return Bisected::Full;
@@ -269,8 +285,47 @@ impl Conforming {
         Bisected::Done
     }
 
-    /// Cuts an edge that is the longest of all its faces; `false` if there is no room.
-    fn cut(&mut self, side: u32, max_vertices: usize, told: &mut dyn FnMut(Bisection)) -> bool {
+    /// Cuts an edge of a face where it is asked for, at a share of its length from the corner `edge` on,
+    /// and all faces that have that edge.
+    ///
+    /// Angles get as small as they may: this is for a line that edges are to follow. No piece of the
+    /// edge is shorter than the limit.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such face.
+    pub fn cut_edge(
+        &mut self,
+        (face, edge): (u32, u8),
+        at: f32,
+        limits: &Limits,
+        told: &mut dyn FnMut(Bisection),
+    ) -> Bisected {
+        let side = 3 * face + u32::from(edge);
+        let shorter = f64::from(at.min(1.0 - at));
+        let length = shorter
+            * self
+                .length_squared(&self.faces[face as usize], edge.into())
+                .sqrt();
+        let may = |side: u32| self.faces[side as usize / 3].longest.is_some();
+        let least = f64::from(limits.min_edge).max(self.shortest);
+        if length < least || !self.edges.ring(side).all(may) {
+            return Bisected::Refused;
+        }
+        match self.cut(side, at, limits.max_vertices, told) {
+            true => Bisected::Done,
+            false => Bisected::Full,
+        }
+    }
+
+    /// Cuts an edge, at a share of its length as `side` goes; `false` if there is no room.
+    fn cut(
+        &mut self,
+        side: u32,
+        at: f32,
+        max_vertices: usize,
+        told: &mut dyn FnMut(Bisection),
+    ) -> bool {
         let mut wings: Vec<Wing> = self.edges.ring(side).map(|side| self.wing(side)).collect();
         wings.sort_unstable();
         let same_vertex = |a: &Wing, b: &Wing| (a.part, a.ends) == (b.part, b.ends);
@@ -279,14 +334,17 @@ impl Conforming {
         {
             return false;
         }
+        // All faces go by the same direction, so that they find the same bits.
+        let from_lower = if self.goes_up(side) { at } else { 1.0 - at };
         let mut sides = Vec::with_capacity(4 * wings.len());
         let node = self.nodes.len() as u32;
         let sheet = &self.sheets[wings[0].part as usize];
-        self.nodes.push(sheet.position(self.midpoint(wings[0])));
+        self.nodes
+            .push(sheet.position(self.point(wings[0], from_lower)));
         for group in wings.chunk_by(same_vertex) {
-            let vertex = self.add_midpoint(group[0], node);
+            let vertex = self.add_vertex(group[0], from_lower, node);
             for wing in group {
-                told(self.halve(wing.side, vertex, &mut sides));
+                told(self.halve(wing.side, from_lower, vertex, &mut sides));
             }
         }
         self.edges.link(&mut sides);
@@ -304,31 +362,55 @@ impl Conforming {
         }
     }
 
-    fn midpoint(&self, wing: Wing) -> SurfacePoint {
+    /// Whether a side goes from the lower node to the higher one.
+    fn goes_up(&self, side: u32) -> bool {
+        let nodes = self.nodes_of(&self.faces[side as usize / 3]);
+        nodes[side as usize % 3] < nodes[(side as usize + 1) % 3]
+    }
+
+    /// A point of an edge, at a share of its length from its lower node on.
+    fn point(&self, wing: Wing, from_lower: f32) -> SurfacePoint {
         let face = &self.faces[wing.side as usize / 3];
+        let i = wing.side as usize % 3;
+        let [first, second] = [i, (i + 1) % 3].map(|corner| face.barycentrics[corner]);
+        let [lower, higher] = match self.goes_up(wing.side) {
+            true => [first, second],
+            false => [second, first],
+        };
         SurfacePoint {
             triangle: face.source,
-            barycentrics: face.halfway(wing.side as usize % 3),
+            barycentrics: lower * (1.0 - from_lower) + higher * from_lower,
         }
     }
 
-    fn add_midpoint(&mut self, wing: Wing, node: u32) -> u32 {
-        let point = self.midpoint(wing);
+    fn add_vertex(&mut self, wing: Wing, from_lower: f32, node: u32) -> u32 {
+        let point = self.point(wing, from_lower);
         self.vertex_count += 1;
-        self.sheets[wing.part as usize].push_midpoint(wing.ends, point, node)
+        self.sheets[wing.part as usize].push_between(wing.ends, point, node)
     }
 
     /// Cuts one face, and adds the sides that have new edges to `sides`, with the node at the
     /// edge's other end. The outer sides stay with their edges.
-    fn halve(&mut self, side: u32, vertex: u32, sides: &mut Vec<(u32, u32)>) -> Bisection {
+    fn halve(
+        &mut self,
+        side: u32,
+        from_lower: f32,
+        vertex: u32,
+        sides: &mut Vec<(u32, u32)>,
+    ) -> Bisection {
         let (f, i) = (side as usize / 3, side as usize % 3);
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         let first = 3 * f as u32;
         let first_of_half = 3 * self.faces.len() as u32;
         let nodes = self.nodes_of(&self.faces[f]);
+        let at = if self.goes_up(side) {
+            from_lower
+        } else {
+            1.0 - from_lower
+        };
+        let barycentrics = self.point(self.wing(side), from_lower).barycentrics;
 
         let mut face = self.faces[f].clone();
-        let barycentrics = face.halfway(i);
         face.depth += 1;
         let mut half = face.clone();
         (face.vertices[j], face.barycentrics[j]) = (vertex, barycentrics);
@@ -350,6 +432,7 @@ impl Conforming {
             face: f as u32,
             half: first_of_half / 3,
             edge: i as u8,
+            at,
         }
     }
 
@@ -388,12 +471,6 @@ impl Conforming {
         let [a, b] = [nodes[side], nodes[(side + 1) % 3]];
         let [a, b] = [a, b].map(|node| self.nodes[node as usize].as_dvec3());
         a.distance_squared(b)
-    }
-}
-
-impl Face {
-    fn halfway(&self, side: usize) -> Vec3 {
-        0.5 * (self.barycentrics[side] + self.barycentrics[(side + 1) % 3])
     }
 }
 

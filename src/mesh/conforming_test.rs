@@ -124,7 +124,7 @@ impl<'a> Trial<'a> {
         let mut cut = HashSet::new();
         for (part, refined) in self.mesh.parts().iter().enumerate() {
             for origin in &refined.origins {
-                if let Origin::Midpoint(ends) = origin {
+                if let Origin::Between(ends) = origin {
                     cut.insert(sorted(ends.map(|end| places[part][end as usize])));
                 }
             }
@@ -185,7 +185,7 @@ impl<'a> Trial<'a> {
         let mut midpoints = HashMap::new();
         for (part, refined) in (0..).zip(self.mesh.parts()) {
             for (vertex, origin) in (0..).zip(refined.origins) {
-                if let Origin::Midpoint(ends) = origin {
+                if let Origin::Between(ends) = origin {
                     assert!(ends[0] < ends[1] && ends[1] < vertex);
                     assert_eq!(midpoints.insert((part, ends), vertex), None);
                 }
@@ -352,7 +352,7 @@ fn short_edges_are_not_cut() {
     }
     for (part, refined) in trial.positions().iter().zip(trial.mesh.parts()) {
         for origin in refined.origins {
-            if let Origin::Midpoint([a, b]) = origin {
+            if let Origin::Between([a, b]) = origin {
                 assert!(length(part[a as usize], part[b as usize]) >= 0.5 - 1e-6);
             }
         }
@@ -435,7 +435,7 @@ fn unused_vertices_go_and_given_ones_come_first() {
     let refined = trial.mesh.clone().into_parts();
     assert_eq!(refined, trial.mesh.parts());
     assert_eq!(refined[0].origins[..3], given);
-    assert_eq!(refined[0].origins[3..], [Origin::Midpoint([0, 2])]);
+    assert_eq!(refined[0].origins[3..], [Origin::Between([0, 2])]);
     assert_eq!(refined[0].mesh.triangles, [[3, 1, 0], [2, 1, 3]]);
 }
 

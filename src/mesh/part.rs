@@ -22,16 +22,16 @@ pub struct Part<'a> {
 pub enum Origin {
     /// A vertex of the part as given.
     Given(u32),
-    /// The midpoint of two vertices of the refined part, the lower number first. Both are lower
-    /// than the number of the midpoint.
-    Midpoint([u32; 2]),
+    /// On the edge that was cut between two vertices of the refined part, the lower number first. Both
+    /// are lower than its own.
+    Between([u32; 2]),
 }
 
 /// One part, refined.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Refined {
-    /// Used vertices of the part as given come first, in their order, then midpoints in order of
-    /// making. Triangles are in the order of their sources.
+    /// Used vertices of the part as given come first, in their order, then those between them in
+    /// order of making. Triangles are in the order of their sources.
     pub mesh: RefinedMesh,
     /// Of each vertex.
     pub origins: Vec<Origin>,
@@ -74,10 +74,10 @@ impl Sheet {
     }
 
     /// The number of the new vertex.
-    pub(super) fn push_midpoint(&mut self, ends: [u32; 2], point: SurfacePoint, node: u32) -> u32 {
+    pub(super) fn push_between(&mut self, ends: [u32; 2], point: SurfacePoint, node: u32) -> u32 {
         self.positions.push(self.position(point));
         self.vertices.push(point);
-        self.origins.push(Origin::Midpoint(ends));
+        self.origins.push(Origin::Between(ends));
         self.nodes.push(node);
         (self.vertices.len() - 1) as u32
     }

@@ -44,6 +44,9 @@ impl Sent<'_> {
 ///                  │  e(h/2) ≈ |L(h) − L(h/2)|    │
 ///                  └──────────────────────────────┘
 /// ```
+///
+/// Two halves of the rays are multiplied instead of squaring what all tell, so that what chance makes of
+/// so few rays drops out of the mean.
 pub(crate) fn apart(
     view: &View,
     arriving: &[Vec3],
@@ -58,40 +61,47 @@ pub(crate) fn apart(
         for i in range {
             let (first, next) = (i * count / receivers, (i + 1) * count / receivers);
             let e = first + hash(i as u32, view.settings.seed) as usize % (next - first);
-            let mut sum = Vec3A::ZERO;
-            for hit in (0..RAYS).filter_map(|ray| view.hit(e, ray)) {
+            let mut halves = [Vec3A::ZERO; 2];
+            for ray in 0..RAYS {
+                let Some(hit) = view.hit(e, ray) else {
+                    continue;
+                };
                 let (fine, coarse) = (fine.at(&hit), coarse.at(&hit));
                 // What is far brighter is not left to chance in the gather, and would be all of the mean.
                 if fine.max(coarse).element_sum() <= bright {
-                    sum += fine - coarse;
+                    halves[ray as usize % 2] += fine - coarse;
                 }
             }
-            let d = f64::from(luminance(Vec3::from(sum))) / f64::from(RAYS);
+            let [a, b] = halves.map(|sum| f64::from(luminance(sum.into())) / f64::from(RAYS / 2));
             let weight = f64::from(view.elements.area[e]) * (next - first) as f64;
             let light = f64::from(luminance(arriving[e]));
-            found.push((weight, d * d, light));
+            found.push((weight, a * b, light));
         }
         found
     })?;
     let found = parts.concat();
     let level = Level::of(found.iter().map(|&(weight, _, light)| (weight, light)));
-    let squares = (found.iter()).map(|&(weight, d, light)| (level.relative(d, light), weight));
-    let error = mean_of_most(squares.collect()).sqrt();
+    let squares = (found.iter()).map(|&(w, square, light)| (level.relative(square, light), w));
+    let error = most_of(squares.collect()).max(0.0).sqrt();
     let rays = receivers as u64 * u64::from(RAYS);
     Ok((error, rays))
 }
 
-/// Mean of values with weights, without the largest.
-fn mean_of_most(mut values: Vec<(f64, f64)>) -> f64 {
-    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+/// Mean of values with weights, without those farthest from 0, and a standard error more.
+fn most_of(mut values: Vec<(f64, f64)>) -> f64 {
+    values.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
     let all: f64 = values.iter().map(|v| v.1).sum();
-    let (mut sum, mut weight) = (0.0, 0.0);
+    let (mut weight, mut sums) = (0.0, [0.0; 3]);
     for (value, own) in values {
         if weight + own > MOST * all {
             break;
         }
-        sum += value * own;
         weight += own;
+        let terms = [value * own, (value * own).powi(2), own * own];
+        sums = [0, 1, 2].map(|i| sums[i] + terms[i]);
     }
-    sum / f64::max(weight, f64::MIN_POSITIVE)
+    let weight = f64::max(weight, f64::MIN_POSITIVE);
+    let mean = sums[0] / weight;
+    let spread = (sums[1] - mean * mean * sums[2]).max(0.0).sqrt() / weight;
+    mean + spread
 }

@@ -150,7 +150,7 @@ fn solved(scene: &ValidScene, settings: &BakeSettings) -> (Report, Stages) {
     (bake.report, stages)
 }
 
-/// RMS of the difference of light that two solutions send, beside the mean light that arrives.
+/// How far the light that two solutions send to the same places is apart, beside what arrives there.
 fn error(scene: &ValidScene, settings: &BakeSettings, of: &Stages, truth: &Stages) -> f64 {
     let surfaces = Surfaces::new(scene, &truth.pyramids);
     let emitters = Emitters::at_elements(&truth.plan.emitters, settings);
@@ -178,9 +178,9 @@ fn error(scene: &ValidScene, settings: &BakeSettings, of: &Stages, truth: &Stage
         elements: &s.elements,
         light,
     });
-    let arriving: Vec<Vec3A> = truth.solution.arriving.iter().map(|&l| l.into()).collect();
-    let mean = truth.elements.mean(&arriving).element_sum() / 3.0;
-    apart(&view, a, b, &()).unwrap().0 / mean
+    apart(&view, &truth.solution.arriving, (a, b), &())
+        .unwrap()
+        .0
 }
 
 fn even(settings: &BakeSettings) -> BakeSettings {
@@ -251,7 +251,8 @@ fn rows_of_any_length_sum_to_one_at_most() {
 }
 
 /// What elements leave out is never far below the estimate nor above it, beside the same scene with
-/// sixteen times the elements and rays.
+/// sixteen times the elements and rays. Not far is a factor of 8, because the estimate goes by what a
+/// first look leaves out, which knows nothing of a patch of sun and is that much worse there.
 #[test]
 fn the_error_of_elements_is_covered() {
     let (mut covered, mut cases) = (0, 0);
@@ -283,7 +284,7 @@ fn the_error_of_elements_is_covered() {
                 f64::from(report.error.elements),
             );
             assert!(
-                estimate < 5.0 * error,
+                estimate < 8.0 * error,
                 "{name}: {error}, estimate {estimate}"
             );
             covered += u32::from(estimate >= error);

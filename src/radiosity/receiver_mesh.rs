@@ -242,14 +242,14 @@ impl ReceiverMesh {
             Some(own) => own.then(&scene.objects[index].triangles, &by.mesh),
             None => by.mesh.clone(),
         };
-        let mut midpoints: HashMap<[u32; 2], u32> = HashMap::new();
+        let mut between: HashMap<[u32; 2], u32> = HashMap::new();
         let mut unknown: Vec<u32> = Vec::with_capacity(by.origins.len());
         for origin in &by.origins {
             unknown.push(match *origin {
                 Origin::Given(v) => self.unknown[v as usize],
-                Origin::Midpoint(ends) => {
+                Origin::Between(ends) => {
                     let [a, b] = ends.map(|v| unknown[v as usize]);
-                    *midpoints.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                    *between.entry([a.min(b), a.max(b)]).or_insert_with(|| {
                         *unknowns += 1;
                         (*unknowns - 1) as u32
                     })

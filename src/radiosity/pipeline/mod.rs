@@ -83,13 +83,12 @@ pub(crate) fn run(
     let cuts = contacts(scene, settings, &start, observer)?;
     let cut_scene = cut::apply(scene, &cuts).map(Arc::new);
     let scene = cut_scene.as_deref().unwrap_or(scene);
-    let finer;
     let mut run = Run::new(scene, settings, start.in_cut_scene(), &deadline);
     if settings.refine {
         run.stages.push((Stage::Contacts, begun.elapsed()));
     }
     let mut solved = run.solved()?;
-    finer = run.finer(&solved, &deadline);
+    let finer = run.finer(&solved, &deadline);
     if let Some(finer) = &finer {
         run.more_elements = finer.elements as f32 / settings.elements as f32;
         run.settings = finer;

@@ -61,7 +61,10 @@ const SAMPLES: ByKind<f64> = ByKind {
 
 /// How much more is left by vertices fitted to all faces around them than by the best light for each
 /// face alone, which is what refinement goes by.
-const FIT: f64 = 2.5;
+const FIT: ByKind<f64> = ByKind {
+    smooth: 0.5,
+    sharp: 0.8,
+};
 
 /// Samples are spread so evenly that their error falls faster than by chance: as their number to the
 /// power of −0.7.
@@ -124,7 +127,7 @@ impl Run<'_> {
             .sqrt()
             .max(VERTICES * asked);
         let mut effort = Effort {
-            mesh: MESH.map(|share| share * aim / FIT),
+            mesh: MESH.with(FIT, |share, fit| share * aim / fit),
             samples: ByKind::both(FIRST_SAMPLES),
         };
         let mut best: Option<Pass> = None;
@@ -251,7 +254,9 @@ impl Run<'_> {
         let next = Effort {
             mesh: match full {
                 true => effort.mesh,
-                false => effort.mesh.with(finer, |error, times| error * times),
+                // It may have had no room for what it was asked.
+                false => (effort.mesh.with(pass.refinement.error, f64::max))
+                    .with(finer, |error, times| error * times),
             },
             samples: (effort.samples).with(samples, |s, times| match times > 1.0 / NOT_WORTH {
                 true => s * times as f32,

@@ -2,11 +2,12 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::face::{FaceLight, Sample};
 use super::probe::Probe;
-use crate::mesh::{Bisected, Conforming, Limits, Origin, Part, Refined};
+use super::step::Step;
+use crate::mesh::{Bisected, Bisection, Conforming, Limits, Origin, Part, Refined};
 use crate::radiosity::gather::Gather;
 use crate::radiosity::gathered::Shining;
 use crate::radiosity::kind::{ByKind, Kind};
@@ -107,7 +108,7 @@ struct Outcome {
 const COARSE: f64 = 0.4;
 
 /// Halves of edges are no shorter than this, in internal units: the scene is 2048 across.
-const MIN_EDGE: f32 = HALF_EXTENT / 4096.0;
+const MIN_EDGE: f32 = HALF_EXTENT / 16384.0;
 
 /// Each round cuts faces that have this share of the error together.
 const BULK: f64 = 0.6;
@@ -118,6 +119,9 @@ const ROUNDS: usize = 60;
 /// Gathering rays of either set at a point, beside the error asked for: what noise hides cannot be
 /// found.
 const RAYS: f32 = 0.48;
+
+/// A vertex is at the end of a step if it is nearer than this share of the step's width.
+const AT_VERTEX: f32 = 0.5;
 
 /// Faces a thread judges at a time.
 const CHUNK: usize = 16;
@@ -137,6 +141,8 @@ struct Work<'a> {
     objects: Vec<usize>,
     conforming: Conforming,
     faces: Vec<FaceLight>,
+    /// Of each face: its part of the mean square error times the whole area, relative to the level.
+    errors: Vec<f64>,
     rays: u64,
 }
 
@@ -192,6 +198,7 @@ impl Refiner<'_> {
         let mut error = 0.0;
         for _ in 0..ROUNDS {
             work.judge(&stale)?;
+            work.weigh();
             error = work.error();
             if full || error <= goal.error || self.is_late() {
                 break;
@@ -207,6 +214,15 @@ impl Refiner<'_> {
             rays: work.rays,
             by: work.finish(),
         })
+    }
+}
+
+/// Hands the samples of faces that are cut on to their pieces, and tells which are others now.
+fn hand_on(faces: &mut Vec<FaceLight>, changed: &mut BTreeSet<u32>) -> impl FnMut(Bisection) {
+    |cut| {
+        let half = faces[cut.face as usize].split(&cut);
+        faces.push(half);
+        changed.extend([cut.face, cut.half]);
     }
 }
 
@@ -242,18 +258,69 @@ impl<'a> Work<'a> {
             meshes,
             objects,
             conforming,
+            errors: Vec::new(),
             rays: 0,
         }
     }
 
     /// Bisects a face and hands its samples on; tells which faces are others now.
     fn bisect(&mut self, face: u32, limits: &Limits, changed: &mut BTreeSet<u32>) -> Bisected {
-        let faces = &mut self.faces;
-        self.conforming.bisect(face, limits, &mut |cut| {
-            let half = faces[cut.face as usize].split(&cut);
-            faces.push(half);
-            changed.extend([cut.face, cut.half]);
-        })
+        let told = &mut hand_on(&mut self.faces, changed);
+        self.conforming.bisect(face, limits, told)
+    }
+
+    /// Cuts a face along a step of light: at either end of it, the far one first, so that no new edge
+    /// crosses the step.
+    ///
+    /// ```text
+    ///          lone                 lone                  lone
+    ///           /\                   /\                    /\
+    ///          /  \                 /  \                  /__\
+    ///        - - - - -            /    \                /__--\   the step is between
+    ///        /      \            /_____ \              /_____-\  two rows of vertices
+    ///       /        \          /      ``\            /      ``\
+    ///      /__________\        /__________\          /__________\
+    /// ```
+    ///
+    /// An end that a vertex is at already is not cut.
+    fn follow(
+        &mut self,
+        mut face: u32,
+        step: Step,
+        limits: &Limits,
+        changed: &mut BTreeSet<u32>,
+    ) -> Bisected {
+        let mut outcome = Bisected::Refused;
+        // What is left of the two edges, beside all of them.
+        let mut left = [1.0_f32; 2];
+        for (end, edge) in [(1, 0), (1, 1), (0, 0), (0, 1)] {
+            let [low, high] = step.ends[edge];
+            let at = step.ends[edge][end];
+            if at.min(left[edge] - at) < AT_VERTEX * (high - low) {
+                continue;
+            }
+            let share = at / left[edge];
+            let lone = step.lone;
+            let mut cut_off = face;
+            let told = &mut hand_on(&mut self.faces, changed);
+            let told = &mut |cut: Bisection| {
+                told(cut);
+                // An edge that ends at the lone corner leaves it to the other piece.
+                if cut.face == face && edge == 1 {
+                    cut_off = cut.half;
+                }
+            };
+            let cut = match edge {
+                0 => (self.conforming).cut_edge((face, lone), share, limits, told),
+                _ => (self.conforming).cut_edge((face, (lone + 2) % 3), 1.0 - share, limits, told),
+            };
+            match cut {
+                Bisected::Done => (outcome, left[edge], face) = (Bisected::Done, at, cut_off),
+                Bisected::Refused => {}
+                Bisected::Full => return Bisected::Full,
+            }
+        }
+        outcome
     }
 
     /// Cuts what is longer than the longest edge allowed. Whether there was room.
@@ -276,9 +343,8 @@ impl<'a> Work<'a> {
 
     /// Cuts the worst faces. Which faces are others now, and whether the room was used up.
     fn cut_worst(&mut self, limits: &Limits) -> (BTreeSet<u32>, bool) {
-        let level = &self.refiner.level;
         let mut worst: Vec<(u32, f64)> = (0..)
-            .zip(self.faces.iter().map(|face| face.error(level)))
+            .zip(self.errors.iter().copied())
             .filter(|(_, error)| *error > 0.0)
             .collect();
         worst.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
@@ -292,7 +358,15 @@ impl<'a> Work<'a> {
                 cut += error;
                 continue;
             }
-            match self.bisect(face, limits, &mut changed) {
+            let followed = match self.faces[face as usize].step {
+                Some(step) => self.follow(face, step, limits, &mut changed),
+                None => Bisected::Refused,
+            };
+            let bisected = match followed {
+                Bisected::Refused => self.bisect(face, limits, &mut changed),
+                done => done,
+            };
+            match bisected {
                 Bisected::Done => cut += error,
                 Bisected::Refused => {}
                 Bisected::Full => return (changed, true),
@@ -350,23 +424,66 @@ impl<'a> Work<'a> {
         light.asked += missing;
         light.area = f64::from(area);
         light.judge();
+        light.step = match self.probe.kind {
+            Kind::Sharp if light.misfit > 0.0 => {
+                Step::find(&self.probe, &ground, corners, &light.samples, rays)
+            }
+            _ => None,
+        };
         light
     }
 
     /// Relative RMSE that the mesh leaves, as far as it stands out from noise.
     fn error(&self) -> f64 {
-        let errors = self
-            .faces
-            .iter()
-            .map(|face| face.error(&self.refiner.level));
         let area: f64 = self.faces.iter().map(|f| f.area).sum();
-        (errors.sum::<f64>() / area.max(f64::MIN_POSITIVE)).sqrt()
+        (self.errors.iter().sum::<f64>() / area.max(f64::MIN_POSITIVE)).sqrt()
+    }
+
+    /// Finds the errors of all faces: what is left when the light of each is linear, and when it is one
+    /// at the vertices that they share. Without the latter a shadow whose edge runs along edges of the
+    /// mesh would be followed by no vertex.
+    fn weigh(&mut self) {
+        let corners = self.corners();
+        let shared = self.shared(&corners);
+        let level = &self.refiner.level;
+        let error = |(face, corners): (&FaceLight, &[usize; 3])| {
+            let at = corners.map(|vertex| shared[vertex]);
+            let strain = face.strain([0, 1].map(|set| at.map(|sets| sets[set])));
+            level.relative(face.misfit + strain, face.mean) * face.area
+        };
+        self.errors = self.faces.iter().zip(&corners).map(error).collect();
+    }
+
+    /// The light of each set at vertices: mean of what fits the faces around them, by area.
+    fn shared(&self, corners: &[[usize; 3]]) -> Vec<[DVec3; 2]> {
+        let mut sums = vec![([DVec3::ZERO; 2], 0.0); self.conforming.vertex_count()];
+        for (face, corners) in self.faces.iter().zip(corners) {
+            let Some(fits) = face.fits else { continue };
+            for (i, &vertex) in corners.iter().enumerate() {
+                let (sum, area) = &mut sums[vertex];
+                *sum = [0, 1].map(|set| sum[set] + face.area * fits[set][i]);
+                *area += face.area;
+            }
+        }
+        (sums.into_iter())
+            .map(|(sum, area)| sum.map(|light| light / f64::max(area, f64::MIN_POSITIVE)))
+            .collect()
+    }
+
+    /// The corners of all faces as vertices of all parts, one part's after the other's.
+    fn corners(&self) -> Vec<[usize; 3]> {
+        let first = self.conforming.first_vertices();
+        let corners = |f: u32| {
+            let first = first[self.conforming.part(f) as usize];
+            (self.conforming.vertices(f)).map(|vertex| first + vertex as usize)
+        };
+        (0..self.conforming.faces()).map(corners).collect()
     }
 
     fn finish(self) -> Vec<Option<Arc<Refined>>> {
         let mut by = vec![None; self.meshes.len()];
         for (&object, refined) in self.objects.iter().zip(self.conforming.into_parts()) {
-            let is_new = |o: &Origin| matches!(o, Origin::Midpoint(_));
+            let is_new = |o: &Origin| matches!(o, Origin::Between(_));
             if refined.origins.iter().any(is_new) {
                 by[object] = Some(Arc::new(refined));
             }

@@ -1,7 +1,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
+use super::step::Step;
 use crate::mesh::Bisection;
-use crate::radiosity::level::Level;
 
 /// A point where light is known, as two sets of rays tell it.
 #[derive(Clone, Copy, Debug)]
@@ -17,11 +17,17 @@ pub(super) struct FaceLight {
     pub(super) samples: Vec<Sample>,
     /// Points that were asked, with those inside geometry.
     pub(super) asked: u32,
+    /// The linear light that fits either set best, at the corners; without, too little is known.
+    pub(super) fits: Option<[[DVec3; 3]; 2]>,
+    /// Variance of the light of either set, mean over channels, by what sets them apart.
+    pub(super) noise: f64,
     /// Mean square over the face of what no linear light on it can follow, mean over channels.
     pub(super) misfit: f64,
     /// Mean light, and over channels.
     pub(super) mean: f64,
     pub(super) area: f64,
+    /// Where a line can be followed across it.
+    pub(super) step: Option<Step>,
 }
 
 /// A misfit counts from so many of its standard errors on.
@@ -34,25 +40,28 @@ impl FaceLight {
     /// Hands samples on to the halves of a face: those nearer the other end of the cut edge go with
     /// `half`.
     ///
-    /// With the edge from corner `i` to corner `j` cut at its middle, a point `b` lies on the side of
-    /// the larger of `b_i` and `b_j`, and there
+    /// With the edge from corner `i` to corner `j` cut at the share `a` of its length, a point `b` lies
+    /// on the side of `i` if `b_j (1 − a) ≤ b_i a`, and there
     ///
     /// ```text
-    ///   ┌─────────────────────────────────────────┐
-    ///   │  b_near' = b_near − b_far   b_middle' = 2 b_far │
-    ///   └─────────────────────────────────────────┘
+    ///   ┌─────────────────────────────────────────────┐
+    ///   │  b_i' = b_i − b_j (1 − a) / a    b_cut' = b_j / a │
+    ///   └─────────────────────────────────────────────┘
     /// ```
+    ///
+    /// On the other side `i` and `j` change places, and `a` and `1 − a`.
     pub(super) fn split(&mut self, cut: &Bisection) -> Self {
         let (i, j) = (usize::from(cut.edge), (usize::from(cut.edge) + 1) % 3);
         let mut half = Self::default();
         let mut kept = Vec::with_capacity(self.samples.len());
         for mut sample in self.samples.drain(..) {
             let b = &mut sample.b;
-            if b[i] >= b[j] {
-                (b[i], b[j]) = (b[i] - b[j], 2.0 * b[j]);
+            let (a, rest) = (cut.at, 1.0 - cut.at);
+            if b[j] * rest <= b[i] * a {
+                (b[i], b[j]) = ((b[i] - b[j] * (rest / a)).max(0.0), b[j] / a);
                 kept.push(sample);
             } else {
-                (b[i], b[j]) = (2.0 * b[i], b[j] - b[i]);
+                (b[i], b[j]) = (b[i] / rest, (b[j] - b[i] * (a / rest)).max(0.0));
                 half.samples.push(sample);
             }
         }
@@ -82,7 +91,7 @@ impl FaceLight {
             .iter()
             .map(|s| f64::from((s.light[0] + s.light[1]).element_sum()));
         self.mean = light.sum::<f64>() / (6 * self.samples.len().max(1)) as f64;
-        self.misfit = 0.0;
+        (self.misfit, self.noise, self.fits) = (0.0, 0.0, None);
         if self.samples.len() <= CORNERS + 1 {
             return;
         }
@@ -114,13 +123,39 @@ impl FaceLight {
             apart += 0.5 * (a - c).length_squared();
         }
         let free = (self.samples.len() - CORNERS) as f64;
-        let noise = apart / (3.0 * free);
-        self.misfit = (sum / (3.0 * free) - SURE * noise / free.sqrt()).max(0.0);
+        self.noise = apart / (3.0 * free);
+        self.misfit = (sum / (3.0 * free) - SURE * self.noise / free.sqrt()).max(0.0);
+        let by_corner = |set: [DVec3; 3]| {
+            let corner = |i: usize| DVec3::new(set[0][i], set[1][i], set[2][i]);
+            [corner(0), corner(1), corner(2)]
+        };
+        self.fits = Some(fits.map(by_corner));
     }
 
-    /// Its part of the mean square error, relative to the level.
-    pub(super) fn error(&self, level: &Level) -> f64 {
-        level.relative(self.misfit, self.mean) * self.area
+    /// Mean square over the face of what it takes to meet the light of its neighbours at the corners,
+    /// which is `shared` there, mean over channels.
+    ///
+    /// Light that is off by `d` at the corners `i` and linear between them is off by
+    ///
+    /// ```text
+    ///   ┌─────────────────────────────────┐
+    ///   │  (Σ d_i² + Σ_{i<j} d_i d_j) / 6  │   in the mean square,
+    ///   └─────────────────────────────────┘
+    /// ```
+    ///
+    /// the product of two sets of which, again, knows no noise but by chance: the fit has that of 3 of
+    /// `n` points.
+    pub(super) fn strain(&self, shared: [[DVec3; 3]; 2]) -> f64 {
+        let Some(fits) = self.fits else {
+            return 0.0;
+        };
+        let off = |set: usize, i: usize| shared[set][i] - fits[set][i];
+        let all = |set: usize| off(set, 0) + off(set, 1) + off(set, 2);
+        let own: f64 = (0..CORNERS).map(|i| off(0, i).dot(off(1, i))).sum();
+        // Σ_i a_i b_i + Σ_{i≠j} a_i b_j / 2
+        let square = 0.5 * (own + all(0).dot(all(1))) / 6.0 / 3.0;
+        let n = self.samples.len() as f64;
+        (square - SURE * (CORNERS as f64).sqrt() * self.noise / n).max(0.0)
     }
 }
 
@@ -178,17 +213,18 @@ mod tests {
     fn halves_get_the_points_that_lie_on_them() {
         let corners = [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y];
         let place = |c: [Vec3; 3], b: Vec3| c[0] * b.x + c[1] * b.y + c[2] * b.z;
-        for edge in 0..3_u8 {
+        for (edge, at) in [(0, 0.5), (1, 0.5), (2, 0.5), (0, 0.1), (1, 0.7), (2, 0.9)] {
             let before = face(32, |b, _| [place(corners, b); 2]);
             let mut first = before.clone();
             let second = first.split(&Bisection {
                 face: 0,
                 half: 1,
                 edge,
+                at,
             });
             assert_eq!(first.samples.len() + second.samples.len(), 32);
             let (i, j) = (usize::from(edge), (usize::from(edge) + 1) % 3);
-            let middle = 0.5 * (corners[i] + corners[j]);
+            let middle = corners[i].lerp(corners[j], at);
             for (side, replaced) in [(&first, j), (&second, i)] {
                 let mut c = corners;
                 c[replaced] = middle;

@@ -22,6 +22,7 @@ mod control;
 mod drive;
 mod face;
 mod probe;
+mod step;
 
 pub(crate) use control::{Control, Found};
 pub(crate) use drive::{Asked, Refinement, Refiner};
