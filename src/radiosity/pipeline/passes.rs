@@ -38,8 +38,12 @@ struct Effort {
     samples: ByKind<f32>,
 }
 
-/// The first pass is a quick look, with this share of the samples; later ones take no less.
-const FIRST_SAMPLES: f32 = 1.0;
+/// Samples of any pass at least, beside what the settings say.
+const LEAST_SAMPLES: f32 = 1.0;
+
+/// What chance leaves in either kind of light where samples are as the settings say, by which the first
+/// pass goes: between 0.006 and 0.02 in rooms, which is soon told.
+const USUAL_NOISE: f64 = 0.009;
 
 /// Shares of the aim that meshes and samples may leave, squares of which add up to less than 1.
 ///
@@ -51,8 +55,8 @@ const FIRST_SAMPLES: f32 = 1.0;
 ///                          └─────────────────────────┘
 /// ```
 const MESH: ByKind<f64> = ByKind {
-    smooth: 0.33,
-    sharp: 0.52,
+    smooth: 0.45,
+    sharp: 0.5,
 };
 const SAMPLES: ByKind<f64> = ByKind {
     smooth: 0.5,
@@ -62,7 +66,7 @@ const SAMPLES: ByKind<f64> = ByKind {
 /// How much more is left by vertices fitted to all faces around them than by the best light for each
 /// face alone, which is what refinement goes by.
 const FIT: ByKind<f64> = ByKind {
-    smooth: 0.5,
+    smooth: 0.65,
     sharp: 0.8,
 };
 
@@ -89,6 +93,10 @@ const FEW_VERTICES: usize = 1024;
 
 /// A pass is of use if it leaves this share of the error of the one before, or less.
 const USEFUL: f64 = 0.85;
+
+/// So many passes in a row that were of no use are the last: the first may have had more samples where
+/// the mesh was to blame.
+const USELESS: u32 = 2;
 
 /// The share of the error asked for that vertices may leave in any case: elements and solver, which
 /// passes cannot mend, leave the rest.
@@ -128,9 +136,9 @@ impl Run<'_> {
             .max(VERTICES * asked);
         let mut effort = Effort {
             mesh: MESH.with(FIT, |share, fit| share * aim / fit),
-            samples: ByKind::both(FIRST_SAMPLES),
+            samples: SAMPLES.map(|share| first_samples(share * aim)),
         };
-        let mut best: Option<Pass> = None;
+        let (mut best, mut useless): (Option<Pass>, u32) = (None, 0);
         for left in (0..PASSES).rev() {
             let before = best.as_ref().map_or(0, |b| b.receivers.fine.vertex_count());
             let goal = Asked {
@@ -163,9 +171,10 @@ impl Run<'_> {
                 return Ok(pass.stopped(stopped));
             }
             let full = pass.refinement.full && goal.max_vertices == most;
-            let useless = (best.as_ref()).is_some_and(|b| total > USEFUL * b.bound());
+            let useful = (best.as_ref()).is_none_or(|b| total <= USEFUL * b.bound());
+            useless = if useful { 0 } else { useless + 1 };
             let next = self.next(&pass, effort, aim, full);
-            let Some(next) = next.filter(|_| left > 0 && (full || !useless)) else {
+            let Some(next) = next.filter(|_| left > 0 && (full || useless < USELESS)) else {
                 return Ok(pass.stopped(match (full, by_memory) {
                     (true, true) => Stopped::Memory,
                     (true, false) => Stopped::Vertices,
@@ -260,7 +269,7 @@ impl Run<'_> {
             },
             samples: (effort.samples).with(samples, |s, times| match times > 1.0 / NOT_WORTH {
                 true => s * times as f32,
-                false if remade => (s * times as f32).max(FIRST_SAMPLES),
+                false if remade => (s * times as f32).max(LEAST_SAMPLES),
                 false => s,
             }),
         };
@@ -277,6 +286,12 @@ impl Run<'_> {
         let held = vertices_within(self.scene, self.settings, given as u64);
         (asked.min(held).max(given), held < asked)
     }
+}
+
+/// Samples of the first pass, beside what the settings say, for chance to leave so much.
+fn first_samples(may: f64) -> f32 {
+    let times = (USUAL_NOISE / may.max(f64::MIN_POSITIVE)).powf(SAMPLES_BY_ERROR);
+    times.clamp(LEAST_SAMPLES.into(), MORE_SAMPLES) as f32
 }
 
 /// What the error of a pass is made of.

@@ -69,7 +69,7 @@ const RAYS: f32 = 2.5;
 const RAYS_LIMITS: (u32, u32) = (64, 512);
 
 /// The standard error may be this share of the square of what is asked, or of what is found.
-const CERTAIN: f64 = 0.25;
+const CERTAIN: f64 = 0.15;
 
 /// Points a thread asks at a time.
 const CHUNK: usize = 32;
@@ -225,12 +225,15 @@ impl Ask<'_> {
         let [pick, u, v, _] = sobol(i as u32, 0, self.seed);
         let picked = triangles.at((i as f64 + f64::from(pick)) / BATCH as f64)?;
         let (o, t) = (picked.object as usize, picked.triangle as usize);
+        let rays_by_error = (RAYS / self.gather.settings.error) as u32;
+        let gathering = rays_by_error.clamp(RAYS_LIMITS.0, RAYS_LIMITS.1);
         let probe = |kind| Probe {
             gather: self.gather,
             shining: self.shining,
             kind,
             seed: hash(i as u32, self.seed),
-            rays: ((RAYS / self.gather.settings.error) as u32).clamp(RAYS_LIMITS.0, RAYS_LIMITS.1),
+            rays: gathering,
+            shadow_rays: gathering / 4,
         };
         let (mesh, b) = (&self.meshes.meshes[o], triangle_point(u, v));
         let (smooth, sharp) = (probe(Kind::Smooth), probe(Kind::Sharp));

@@ -5,7 +5,7 @@ use std::time::Instant;
 use glam::{DVec3, Vec3};
 
 use super::face::{FaceLight, Sample};
-use super::probe::Probe;
+use super::probe::{LEAST_SHADOW_RAYS, Probe};
 use super::step::Step;
 use crate::mesh::{Bisected, Bisection, Conforming, Limits, Origin, Part, Refined};
 use crate::radiosity::gather::Gather;
@@ -253,6 +253,7 @@ impl<'a> Work<'a> {
                 kind,
                 seed: refiner.gather.settings.seed,
                 rays: (RAYS / refiner.gather.settings.error.max(1e-3)) as u32,
+                shadow_rays: LEAST_SHADOW_RAYS,
             },
             refiner,
             meshes,

@@ -6,7 +6,7 @@ use crate::radiosity::gather::{Gather, Place};
 use crate::radiosity::gathered::Shining;
 use crate::radiosity::illumination::{Shadow, illumination};
 use crate::radiosity::kind::Kind;
-use crate::radiosity::light::DirectLight;
+use crate::radiosity::light::{DirectLight, Light, LightKind};
 use crate::radiosity::occlusion::NO_TRIANGLE;
 use crate::radiosity::receiver_mesh::ReceiverMesh;
 use crate::radiosity::sampling::{cosine_hemisphere, frame, hash, sobol};
@@ -25,6 +25,8 @@ pub(super) struct Probe<'a> {
     pub(super) seed: u32,
     /// Gathering rays of a set.
     pub(super) rays: u32,
+    /// Shadow rays of a set to each rectangular light, and to emitters known in closed form at least.
+    pub(super) shadow_rays: u32,
 }
 
 /// A triangle of a receiving mesh, and the side of it that light is put on.
@@ -43,7 +45,7 @@ const INSIDE: f32 = 0.25;
 const PROBES: u32 = 8;
 
 /// Shadow rays to emitters at least, in each set.
-const LEAST_SHADOW_RAYS: u32 = 8;
+pub(super) const LEAST_SHADOW_RAYS: u32 = 8;
 
 impl<'a> Probe<'a> {
     /// The triangle of an object's mesh; `None` if no light is put on it.
@@ -147,13 +149,10 @@ impl<'a> Probe<'a> {
             .collect();
         let seed = hash(self.seed, hash(set, 0x5AA9));
         let mut sums = vec![Vec3::ZERO; places.len()];
-        let mut shadow = Shadow::UNKNOWN;
         for light in &gather.scene.lights {
             if light.direct == DirectLight::Baked && shines(light) {
-                let occluders = &gather.occluders;
                 for (sum, (_, receiver)) in sums.iter_mut().zip(&receivers) {
-                    *sum += light.power
-                        * illumination(light, occluders, receiver, (seed, 0), &mut shadow);
+                    *sum += light.power * self.shadowed(light, receiver, seed, traced);
                 }
             }
         }
@@ -172,8 +171,26 @@ impl<'a> Probe<'a> {
                 .light(gather.elements, &gather.occluders, &group, brings)
                 .rays;
         }
-        *traced += shadow.rays;
         sums
+    }
+
+    /// A light at a receiver. As many rays everywhere: to stop where the first few agree would make
+    /// penumbrae harder than they are.
+    fn shadowed(&self, light: &Light, receiver: &Receiver, seed: u32, traced: &mut u64) -> f32 {
+        let mut shadow = Shadow::UNKNOWN;
+        let (mut sum, mut blocks) = (0.0, 0);
+        let rays = match light.kind {
+            LightKind::Rect { .. } => self.shadow_rays.into(),
+            _ => 1,
+        };
+        // A light that does not reach the receiver takes no ray.
+        while blocks == 0 || (1..rays).contains(&shadow.rays) {
+            let occluders = &self.gather.occluders;
+            sum += illumination(light, occluders, receiver, (seed, blocks), &mut shadow);
+            blocks += 1;
+        }
+        *traced += shadow.rays;
+        sum / blocks as f32
     }
 
     /// Shadow rays of either set from each point: the usual number where emitters are known in closed
@@ -181,7 +198,7 @@ impl<'a> Probe<'a> {
     fn shadow_rays(&self, from: &Emitters) -> u32 {
         let usual = from.samples.max(LEAST_SHADOW_RAYS);
         if from.tree.few() {
-            usual.max(self.rays / 8)
+            usual.max(self.shadow_rays)
         } else {
             (self.rays / 4).clamp(LEAST_SHADOW_RAYS, usual)
         }
