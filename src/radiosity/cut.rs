@@ -13,7 +13,7 @@ use crate::mesh::{CutMesh, RefinedMesh, Surface, split_at_contacts};
 
 /// Surfaces nearer than this count as touching, in internal units: a two-thousandth of the scene.
 /// Light and shadow in a narrower gap are seen by nobody, and no mesh could follow them.
-const TOUCHING: f32 = HALF_EXTENT / 1000.0;
+pub(crate) const TOUCHING: f32 = HALF_EXTENT / 1000.0;
 
 /// How an object was cut where others touch or cross it.
 #[derive(Clone, Debug, PartialEq)]

@@ -55,10 +55,6 @@ const STEP: f32 = 4.0;
 /// Below this share of the mean, errors are no longer counted relative to the light.
 const DARK: f64 = 0.1;
 
-/// Vertices of two objects at one place take their mean if the darker has at least this share of
-/// the brighter's light; below it, something stands between them.
-const SEAM: f32 = 0.7;
-
 /// The least-squares fit stops at this relative residual: far below the samples' noise.
 const TOLERANCE: f32 = 1e-4;
 
@@ -83,11 +79,12 @@ const MAX_ITERATIONS: usize = 500;
 /// samples of the other (cross-validation), and λ grows as long as that gets better.
 ///
 /// Each kind of light is fitted on its own mesh, and the coarse mesh's light is carried over to the
-/// vertices of the fine one inside it. A `known` smoothing is taken as it is, with the sampling error
+/// vertices of the fine one inside it. Unknowns of one of `seams` get one light. A `known` smoothing is taken as it is, with the sampling error
 /// found along with it. `go_on` is asked between solutions.
 pub(crate) fn fit(
     samples: &Samples,
     receivers: &Receivers,
+    seams: &[Vec<u32>],
     known: Option<&Smoothing>,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Fit, Cancelled> {
@@ -114,7 +111,7 @@ pub(crate) fn fit(
             sampled[u as usize] |= t.invalid < t.taken;
         }
     }
-    close_seams(&mut whole, &area, &receivers.fine.seams);
+    close_seams(&mut whole, &area, seams);
     let total: f64 = (area.iter().map(|&a| f64::from(a)).sum::<f64>()).max(f64::MIN_POSITIVE);
     let mean = |f: &dyn Fn(usize) -> f64| {
         (0..unknowns)
@@ -194,29 +191,16 @@ fn fit_layer(
     })
 }
 
-/// Gives vertices of different objects at one place the same light, where it nearly is.
+/// Gives vertices of different objects at one place the same light.
 fn close_seams(light: &mut [Vec3], area: &[f32], seams: &[Vec<u32>]) {
     for seam in seams {
-        let mut members = seam.clone();
-        members.sort_by(|&a, &b| {
-            luminance(light[a as usize])
-                .total_cmp(&luminance(light[b as usize]))
-                .then(a.cmp(&b))
-        });
-        let agree = |&a: &u32, &b: &u32| {
-            luminance(light[a as usize]) >= SEAM * luminance(light[b as usize])
-        };
-        let groups: Vec<Vec<u32>> = members.chunk_by(agree).map(<[u32]>::to_vec).collect();
-        for group in groups {
-            let weight: f32 = group.iter().map(|&u| area[u as usize]).sum();
-            if weight > 0.0 {
-                let sum: Vec3 = group
-                    .iter()
-                    .map(|&u| light[u as usize] * area[u as usize])
-                    .sum();
-                for u in group {
-                    light[u as usize] = sum / weight;
-                }
+        let weight: f32 = seam.iter().map(|&u| area[u as usize]).sum();
+        let sum: Vec3 = (seam.iter())
+            .map(|&u| light[u as usize] * area[u as usize])
+            .sum();
+        if weight > 0.0 {
+            for &u in seam {
+                light[u as usize] = sum / weight;
             }
         }
     }

@@ -107,6 +107,7 @@ mod report;
 mod sampling;
 mod sampling_error;
 mod scene;
+mod seams;
 mod settings;
 mod solve;
 mod speed;

@@ -58,10 +58,10 @@ impl ReceiverMeshes {
             .collect()
     }
 
-    /// Splits edges longer than `max_edge` of objects that are not refined by the light, gives flat-shaded corners vertices of their own,
-    /// and finds which vertices share their light: those of one place and one normal in an object,
+    /// Splits edges longer than `max_edge` of objects that are not refined by the light, gives flat-shaded
+    /// corners vertices of their own, and finds which vertices share their light: those of one place and one normal in an object,
     /// across texture seams but not across hard edges. Where objects meet, a wall may stand
-    /// between them, so there each has its own and a seam joins them if the light agrees.
+    /// between them, so there each has its own and a seam may join them.
     ///
     /// `before` has the meshes that are still the same, and those whose refinement may be.
     pub(crate) fn new(

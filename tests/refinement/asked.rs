@@ -88,7 +88,6 @@ fn ask(scenes: &[usize], seeds: u32, errors: &[f32], may_miss: f64) {
 
 /// A dozen runs, all of which keep what they promise.
 #[test]
-#[ignore = "needs refinement"]
 fn errors_asked_for_are_kept() {
     ask(&[0, 1, 3, 4], 1, &[0.1, 0.05, 0.02], 0.0);
 }

@@ -339,7 +339,6 @@ fn ways() -> [BakeSettings; 2] {
 }
 
 #[test]
-#[ignore = "takes light beside a hovering block for light across an edge"]
 fn all_scenes_stay_whole() {
     let mut layouts = lit_scenes().to_vec();
     for thickness in [0.0, 0.01, 0.1] {
@@ -457,7 +456,6 @@ fn degenerate_triangles_tear_nothing() {
 
 /// Light across the edge of two objects of one floor, where a shadow crosses it.
 #[test]
-#[ignore = "needs refinement: seams of objects are joined only where light hardly differs"]
 fn light_goes_on_in_the_next_object() {
     let court = court();
     let s = court.scene();

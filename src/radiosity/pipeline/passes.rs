@@ -16,6 +16,7 @@ use crate::radiosity::partial::PartialLight;
 use crate::radiosity::receivers::Receivers;
 use crate::radiosity::refine::{Asked, Control, Found, Refinement};
 use crate::radiosity::report::Stopped;
+use crate::radiosity::seams::open_seams;
 
 /// The light of vertices, as one pass found it.
 pub(crate) struct Pass {
@@ -40,6 +41,10 @@ struct Effort {
 
 /// Samples of any pass at least, beside what the settings say.
 const LEAST_SAMPLES: f32 = 1.0;
+
+/// Samples of any pass at most, and of the first, which is to show something soon.
+const MOST_SAMPLES: f32 = 256.0;
+const FIRST_SAMPLES: f64 = 4.0;
 
 /// What chance leaves in either kind of light where samples are as the settings say, by which the first
 /// pass goes: between 0.006 and 0.02 in rooms, which is soon told.
@@ -170,12 +175,12 @@ impl Run<'_> {
                 };
                 return Ok(pass.stopped(stopped));
             }
-            let full = pass.refinement.full && goal.max_vertices == most;
+            let full = pass.refinement.full.is_some_and(|had| had >= most);
             let useful = (best.as_ref()).is_none_or(|b| total <= USEFUL * b.bound());
             useless = if useful { 0 } else { useless + 1 };
             let next = self.next(&pass, effort, aim, full);
             let Some(next) = next.filter(|_| left > 0 && (full || useless < USELESS)) else {
-                return Ok(pass.stopped(match (full, by_memory) {
+                return Ok(pass.or_better(best).stopped(match (full, by_memory) {
                     (true, true) => Stopped::Memory,
                     (true, false) => Stopped::Vertices,
                     (false, _) => Stopped::Limit,
@@ -183,7 +188,7 @@ impl Run<'_> {
             };
             effort = next;
             show(self, &pass);
-            best = Some(pass);
+            best = Some(pass.or_better(best));
             deadline.arm();
         }
         best.ok_or(BakeError::Cancelled)
@@ -202,7 +207,7 @@ impl Run<'_> {
         let good = |b: &&Pass| {
             let Refinement { error, full, .. } = *b.refinement;
             let fine = error.smooth <= asked.error.smooth && error.sharp <= asked.error.sharp;
-            fine || full && b.receivers.fine.vertex_count() >= asked.max_vertices
+            fine || full.is_some_and(|had| had >= asked.max_vertices)
         };
         let meshes = match before.filter(good) {
             Some(before) => (before.receivers.clone(), before.refinement.clone()),
@@ -228,7 +233,8 @@ impl Run<'_> {
     ) -> Result<Pass, BakeError> {
         gather.density = self.density(&receivers, samples);
         let inside = self.gather(gather, shining, &receivers, earlier)?;
-        let fitted = self.fit(&inside, &receivers)?;
+        let seams = open_seams(&receivers.fine, gather);
+        let fitted = self.fit(&inside, &receivers, &seams)?;
         Ok(Pass {
             receivers,
             refinement,
@@ -242,7 +248,7 @@ impl Run<'_> {
 
     /// Where the next pass does more, or less; `None` if nothing would help.
     fn next(&self, pass: &Pass, effort: Effort, aim: f64, full: bool) -> Option<Effort> {
-        let found = Parts::found(pass, aim);
+        let found = Parts::found(pass);
         let may = found.cut_down_to(AIM * aim, aim);
         let times = |error: f64, may: f64, power: f64| {
             ((error / may.max(f64::MIN_POSITIVE)).powf(power))
@@ -268,7 +274,7 @@ impl Run<'_> {
                     .with(finer, |error, times| error * times),
             },
             samples: (effort.samples).with(samples, |s, times| match times > 1.0 / NOT_WORTH {
-                true => s * times as f32,
+                true => (s * times as f32).min(MOST_SAMPLES),
                 false if remade => (s * times as f32).max(LEAST_SAMPLES),
                 false => s,
             }),
@@ -291,7 +297,7 @@ impl Run<'_> {
 /// Samples of the first pass, beside what the settings say, for chance to leave so much.
 fn first_samples(may: f64) -> f32 {
     let times = (USUAL_NOISE / may.max(f64::MIN_POSITIVE)).powf(SAMPLES_BY_ERROR);
-    times.clamp(LEAST_SAMPLES.into(), MORE_SAMPLES) as f32
+    times.clamp(LEAST_SAMPLES.into(), FIRST_SAMPLES) as f32
 }
 
 /// What the error of a pass is made of.
@@ -304,16 +310,17 @@ struct Parts {
 }
 
 impl Parts {
-    fn found(pass: &Pass, aim: f64) -> Self {
+    fn found(pass: &Pass) -> Self {
         let control = pass.control.unwrap_or_default();
         let noise = pass.fitted.smoothing.by_kind.map(f64::from);
+        let made_for = pass.refinement.error.with(FIT, |error, fit| fit * error);
         // As long as there is more noise than that, the mesh is taken to be what it was made for.
-        let left = |found: Found, (noise, share): (f64, f64)| {
+        let left = |found: Found, (noise, made_for): (f64, f64)| {
             let left = (found.sure().powi(2) - noise * noise).max(0.0).sqrt();
-            if left > noise { left } else { share * aim }
+            if left > noise { left } else { made_for }
         };
         let parts = Self {
-            mesh: (control.by_kind).with(noise.with(MESH, |n, share| (n, share)), left),
+            mesh: (control.by_kind).with(noise.with(made_for, |n, made_for| (n, made_for)), left),
             noise,
         };
         // What cannot be told apart is everybody's.
@@ -357,6 +364,14 @@ impl Pass {
         self.control.unwrap_or_default().found.bound()
     }
 
+    /// An earlier pass, if it was better: there may have been too little time for this one.
+    fn or_better(self, earlier: Option<Self>) -> Self {
+        match earlier {
+            Some(earlier) if earlier.bound() < self.bound() => earlier,
+            _ => self,
+        }
+    }
+
     fn stopped(self, stopped: Stopped) -> Self {
         Self { stopped, ..self }
     }
@@ -370,8 +385,8 @@ pub(super) struct Deadline<'a> {
     armed: AtomicBool,
 }
 
-/// Share of the time after which meshes are refined no more, so that there is some for the light on
-/// them.
+/// Share of the time that is left in which meshes may be refined, so that there is some for the light
+/// on them.
 const FOR_MESHES: f64 = 0.5;
 
 impl<'a> Deadline<'a> {
@@ -402,7 +417,8 @@ impl<'a> Deadline<'a> {
     }
 
     fn for_meshes(&self) -> Option<Instant> {
-        Some(self.begun + self.limit?.mul_f64(FOR_MESHES))
+        let left = self.limit?.saturating_sub(self.begun.elapsed());
+        Some(Instant::now() + left.mul_f64(FOR_MESHES))
     }
 }
 

@@ -377,7 +377,12 @@ impl Run<'_> {
             .collect()
     }
 
-    pub(super) fn fit(&mut self, inside: &Inside, receivers: &Receivers) -> Result<Fit, BakeError> {
+    pub(super) fn fit(
+        &mut self,
+        inside: &Inside,
+        receivers: &Receivers,
+        seams: &[Vec<u32>],
+    ) -> Result<Fit, BakeError> {
         let known = match (self.start.plan, self.start.before) {
             (Some(plan), _) => Some(&plan.smoothing),
             // Colours do not change how noisy samples are: only new samples have to be judged.
@@ -390,7 +395,7 @@ impl Run<'_> {
                 smooth: &inside.smooth.samples,
                 sharp: &inside.sharp.samples,
             };
-            let fitted = fit(&samples, receivers, known, &|| !observer.cancelled())?;
+            let fitted = fit(&samples, receivers, seams, known, &|| !observer.cancelled())?;
             run.work.fits += 1;
             run.work.cross_validations += u64::from(known.is_none());
             Ok(fitted)

@@ -29,8 +29,8 @@ pub(crate) struct Refinement {
     pub(crate) fine: Vec<Option<Arc<Refined>>>,
     /// Relative RMSE that the meshes leave.
     pub(crate) error: ByKind<f64>,
-    /// There were as many vertices as there may be.
-    pub(crate) full: bool,
+    /// Vertices that there might have been, if there are as many.
+    pub(crate) full: Option<usize>,
     /// Rays that it took.
     pub(crate) rays: u64,
 }
@@ -104,8 +104,11 @@ struct Outcome {
     rays: u64,
 }
 
-/// Share of the vertices that the coarse meshes may have.
+/// Share of the vertices that the coarse meshes may have at first.
 const COARSE: f64 = 0.4;
+
+/// Room for vertices is filled if it is one of so many.
+const WORTH_FILLING: usize = 25;
 
 /// Halves of edges are no shorter than this, in internal units: the scene is 2048 across.
 const MIN_EDGE: f32 = HALF_EXTENT / 16384.0;
@@ -156,37 +159,54 @@ impl Refiner<'_> {
         asked: &Asked,
         earlier: Option<&Refinement>,
     ) -> Result<Refinement, Cancelled> {
-        let goal = |kind, share: f64| Goal {
+        let goal = |kind, max_vertices| Goal {
             kind,
             error: asked.error.of(kind),
-            max_vertices: (share * asked.max_vertices as f64) as usize,
+            max_vertices,
             min_edge: MIN_EDGE,
         };
-        let smooth = match earlier.filter(|e| e.error.smooth <= asked.error.smooth) {
+        let mut coarse_at_most = (COARSE * asked.max_vertices as f64) as usize;
+        let mut smooth = match earlier.filter(|e| e.error.smooth <= asked.error.smooth) {
             Some(earlier) => Outcome {
                 by: earlier.coarse.clone(),
                 error: earlier.error.smooth,
                 full: false,
                 rays: 0,
             },
-            None => self.run(given, &goal(Kind::Smooth, COARSE))?,
+            None => self.run(given, &goal(Kind::Smooth, coarse_at_most), self.half_way())?,
         };
-        let coarse = given.refined(scene, &smooth.by);
-        let sharp = self.run(&coarse, &goal(Kind::Sharp, 1.0))?;
+        let sharp = loop {
+            let coarse = given.refined(scene, &smooth.by);
+            let sharp = self.run(&coarse, &goal(Kind::Sharp, asked.max_vertices), self.until)?;
+            let used = coarse.refined(scene, &sharp.by).vertex_count();
+            let room = asked.max_vertices.saturating_sub(used);
+            let late = self.until.is_some_and(|until| Instant::now() > until);
+            if !smooth.full || sharp.full || late || room * WORTH_FILLING < asked.max_vertices {
+                break sharp;
+            }
+            // Shadows leave room that was kept for them.
+            coarse_at_most += room;
+            smooth = self.run(given, &goal(Kind::Smooth, coarse_at_most), self.half_way())?;
+        };
         Ok(Refinement {
             error: ByKind {
                 smooth: smooth.error,
                 sharp: sharp.error,
             },
-            full: smooth.full || sharp.full,
+            full: (smooth.full || sharp.full).then_some(asked.max_vertices),
             coarse: smooth.by,
             fine: sharp.by,
             rays: smooth.rays + sharp.rays,
         })
     }
 
-    /// Refines `meshes` until the goal is reached.
-    fn run(&self, meshes: &ReceiverMeshes, goal: &Goal) -> Result<Outcome, Cancelled> {
+    /// Refines `meshes` until the goal is reached, or it is late.
+    fn run(
+        &self,
+        meshes: &ReceiverMeshes,
+        goal: &Goal,
+        until: Option<Instant>,
+    ) -> Result<Outcome, Cancelled> {
         let mut work = Work::new(self, &meshes.meshes, goal.kind);
         let kept = meshes.vertex_count() - work.conforming.vertex_count();
         let limits = Limits {
@@ -200,7 +220,7 @@ impl Refiner<'_> {
             work.judge(&stale)?;
             work.weigh();
             error = work.error();
-            if full || error <= goal.error || self.is_late() {
+            if full || error <= goal.error || until.is_some_and(|until| Instant::now() > until) {
                 break;
             }
             (stale, full) = work.cut_worst(&limits);
@@ -227,8 +247,11 @@ fn hand_on(faces: &mut Vec<FaceLight>, changed: &mut BTreeSet<u32>) -> impl FnMu
 }
 
 impl Refiner<'_> {
-    fn is_late(&self) -> bool {
-        self.until.is_some_and(|until| Instant::now() > until)
+    /// When half of the time is over.
+    fn half_way(&self) -> Option<Instant> {
+        let now = Instant::now();
+        self.until
+            .map(|until| now + until.saturating_duration_since(now) / 2)
     }
 }
 
