@@ -10,7 +10,7 @@
 //! | `metrics` | how far they are off |
 //! | `sweep` | every method with every budget on one scene |
 //! | `studies` | solvers, numbers of elements, vertices |
-//! | `refinement` | vertices placed by the light, and spread evenly |
+//! | `refinement`, `refinement_charts` | vertices placed by the light, and spread evenly |
 //! | `known` | scenes whose light is known at every point, shared with tests |
 //! | `results` | all that was measured, and who won |
 //! | `csv`, `charts`, `chart`, `svg`, `markdown`, `reading`, `text` | how it is told |
@@ -30,6 +30,7 @@ mod plan;
 mod reading;
 mod reference;
 mod refinement;
+mod refinement_charts;
 mod results;
 mod scenes;
 mod studies;
@@ -117,7 +118,7 @@ fn write_refinement(results: &Results, folder: &Path) -> Result<(), Box<dyn Erro
         folder.join("refinement.csv"),
         refinement::csv(&results.used),
     )?;
-    for (name, chart) in refinement::charts(&results.used) {
+    for (name, chart) in refinement_charts::charts(&results.used) {
         std::fs::write(folder.join(name), chart.draw())?;
     }
     eprintln!("written to {}", folder.display());
@@ -134,7 +135,7 @@ fn write(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
         folder.join("refinement.csv"),
         refinement::csv(&results.used),
     )?;
-    let used = refinement::charts(&results.used);
+    let used = refinement_charts::charts(&results.used);
     for (name, chart) in charts::all(results).into_iter().chain(used) {
         std::fs::write(folder.join(name), chart.draw())?;
     }

@@ -6,7 +6,7 @@ use crate::methods::{FAMILIES, LAMP_RAYS, SOLVERS};
 use crate::metrics::{Metrics, cost_of};
 use crate::reading::{lamps, which_when};
 use crate::reference::{Reference, SECOND_RAYS};
-use crate::refinement;
+use crate::refinement_charts;
 use crate::results::{GOALS, Results};
 use crate::studies::{AT_POINTS, BY_RAYS, CONTINUUM, REFLECTANCES, Solved};
 use crate::text::{count, percent, seconds};
@@ -25,7 +25,7 @@ pub(crate) fn report(results: &Results, folder: &str) -> String {
         chapter("What is left at vertices", &vertex_chapter(results)),
         chapter(
             "Vertices used, and spread evenly",
-            &refinement::chapter(&results.used, folder),
+            &refinement_charts::chapter(&results.used, folder),
         ),
         chapter("All measures of one sweep", &all_measures(results)),
         chapter("References", &references(&results.references)),

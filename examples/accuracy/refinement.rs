@@ -5,18 +5,14 @@ use std::time::Instant;
 
 use bevy_fresco::radiosity::{Bake, BakeError, BakeSettings, bake};
 
-use crate::chart::{Axis, Chart, Dot, Series};
-use crate::charts::{Named, axis, front, styled};
 use crate::csv::{cell, table};
 use crate::known::error::measure;
 use crate::known::layout::Layout;
 use crate::known::scenes::{CARE, cornell_box, court, gallery, room_with_panel};
 use crate::known::truth::Truth;
-use crate::markdown;
-use crate::metrics::{cost_of, median};
+use crate::metrics::median;
 use crate::plan::Plan;
-use crate::results::GOALS;
-use crate::text::{count, percent, seconds};
+use crate::text::{count, percent};
 
 /// How vertices come to be where they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +35,7 @@ const ERRORS: [f32; 17] = [
 const VERTICES: [u32; 9] = [250, 500, 1000, 2000, 4000, 8000, 16_000, 32_000, 64_000];
 
 /// Below what can be reached: only vertices end the bake.
-const LEAST_ERROR: f32 = 0.001;
+const LEAST_ERROR: f32 = 0.004;
 
 /// Points at which a bake is compared with the truth.
 const POINTS: usize = 40_000;
@@ -47,7 +43,7 @@ const POINTS: usize = 40_000;
 impl Way {
     pub(crate) const NAMES: [&str; 3] = ["uniform", "used, to an error", "used, to vertices"];
 
-    fn kind(self) -> usize {
+    pub(crate) fn kind(self) -> usize {
         match self {
             Self::Uniform(_) => 0,
             Self::ToError(_) => 1,
@@ -59,11 +55,30 @@ impl Way {
         Self::NAMES[self.kind()]
     }
 
-    fn step(self) -> String {
+    pub(crate) fn step(self) -> String {
         match self {
             Self::Uniform(edge) => format!("{edge} m"),
             Self::ToError(error) => percent(f64::from(error)),
             Self::ToVertices(vertices) => count(vertices.into()),
+        }
+    }
+
+    /// For other programs.
+    fn value(self) -> String {
+        match self {
+            Self::Uniform(edge) => edge.to_string(),
+            Self::ToError(error) => error.to_string(),
+            Self::ToVertices(vertices) => vertices.to_string(),
+        }
+    }
+
+    /// How many times the vertices of an earlier step.
+    fn growth(self, before: Self) -> f64 {
+        match (self, before) {
+            (Self::Uniform(edge), Self::Uniform(longer)) => f64::from(longer / edge).powi(2),
+            (Self::ToError(error), Self::ToError(larger)) => f64::from(larger / error),
+            (Self::ToVertices(most), Self::ToVertices(fewer)) => f64::from(most) / f64::from(fewer),
+            _ => 1.0,
         }
     }
 
@@ -123,7 +138,7 @@ pub(crate) fn study(plan: &Plan, say: impl Fn(&str)) -> Result<Vec<Used>, BakeEr
     Ok(all)
 }
 
-/// Step after step, until one takes longer than there is time for.
+/// Step after step, until there is no time for the next one.
 fn line(
     layout: &Layout,
     truth: &Truth,
@@ -131,15 +146,15 @@ fn line(
     ways: impl Iterator<Item = Way>,
 ) -> Result<Vec<Used>, BakeError> {
     // Bakes to vertices take some tens of times as long as the solutions the limit is made for.
-    let limit = 20.0 * plan.limit;
+    let limit = 40.0 * plan.limit;
+    let runs = if plan.quick { 1 } else { 3 };
     let mut line: Vec<Used> = Vec::new();
     for way in ways {
-        let used = point(layout, truth, way, plan.runs.min(3))?;
-        let last = used.seconds > limit;
-        line.push(used);
-        if last {
+        let expected = (line.last()).map_or(0.0, |before| before.seconds * way.growth(before.way));
+        if expected > limit {
             break;
         }
+        line.push(point(layout, truth, way, runs)?);
     }
     Ok(line)
 }
@@ -179,7 +194,7 @@ fn triangles(layout: &Layout, baked: &Bake) -> usize {
 pub(crate) fn csv(all: &[Used]) -> String {
     let header = "scene,way,step,vertices,triangles,rays,seconds,error,estimated_error,stopped";
     table(header, all, |u| {
-        let what = [cell(u.scene), cell(u.way.name()), cell(u.way.step())];
+        let what = [cell(u.scene), cell(u.way.name()), u.way.value()];
         let figures = [
             u.vertices,
             u.triangles,
@@ -194,221 +209,4 @@ pub(crate) fn csv(all: &[Used]) -> String {
             .chain([cell(&u.stopped)])
             .collect()
     })
-}
-
-/// The names of the scenes, in their order.
-fn scenes(all: &[Used]) -> Vec<&'static str> {
-    let mut names: Vec<&str> = all.iter().map(|u| u.scene).collect();
-    names.dedup();
-    names
-}
-
-fn file(scene: &str, what: &str) -> String {
-    format!(
-        "refinement_{}_{what}.svg",
-        scene.to_lowercase().replace(' ', "_")
-    )
-}
-
-/// Error by a cost, a line for each way.
-fn lines(all: &[Used], scene: &str, cost: fn(&Used) -> f64) -> Vec<Series> {
-    let line = |(kind, name): (usize, &&str)| {
-        let of = all
-            .iter()
-            .filter(|u| u.scene == scene && u.way.kind() == kind);
-        let dots = of.enumerate().map(|(i, u)| Dot {
-            at: (cost(u), u.error),
-            label: if i % 4 == 0 {
-                u.way.step()
-            } else {
-                String::new()
-            },
-        });
-        styled(kind, name, dots.collect())
-    };
-    Way::NAMES.iter().enumerate().map(line).collect()
-}
-
-pub(crate) fn charts(all: &[Used]) -> Vec<Named> {
-    let mut charts = Vec::new();
-    for scene in scenes(all) {
-        let vertices = axis("vertices", |v| count(v as u64));
-        let by_vertices = lines(all, scene, |u| u.vertices);
-        charts.push((
-            file(scene, "vertices"),
-            against(scene, "vertices", vertices, by_vertices),
-        ));
-        let time = axis("time of the whole bake (wall clock)", seconds);
-        let by_seconds = lines(all, scene, |u| u.seconds);
-        charts.push((
-            file(scene, "seconds"),
-            against(scene, "seconds", time, by_seconds),
-        ));
-    }
-    if !all.is_empty() {
-        charts.push(("refinement_asked.svg".into(), asked(all)));
-        charts.push(("refinement_cost.svg".into(), cost(all)));
-    }
-    charts
-}
-
-fn against(scene: &str, what: &str, x: Axis, series: Vec<Series>) -> Chart {
-    Chart {
-        title: format!("{what} used and spread evenly: {scene}"),
-        subtitle: "Bare faces; vertices placed by the light, and by the length of edges".into(),
-        x,
-        y: axis("relative RMSE of the light of vertices", percent),
-        front: front(&series, 0.0),
-        series,
-        guides: Vec::new(),
-        floor: None,
-    }
-}
-
-/// A line for each scene: a figure by the error that was asked for.
-fn by_asked(all: &[Used], figure: fn(&Used) -> f64) -> Vec<Series> {
-    let line = |(i, scene): (usize, &'static str)| {
-        let of = all.iter().filter(|u| u.scene == scene);
-        let dots = of.filter_map(|u| match u.way {
-            Way::ToError(error) => Some(Dot {
-                at: (error.into(), figure(u)),
-                label: String::new(),
-            }),
-            _ => None,
-        });
-        styled(i, scene, dots.collect())
-    };
-    scenes(all).into_iter().enumerate().map(line).collect()
-}
-
-fn asked(all: &[Used]) -> Chart {
-    Chart {
-        title: "Errors asked for, and errors there are".into(),
-        subtitle: "What lies above the line is more than was asked for".into(),
-        x: axis("error asked for (relative RMSE)", percent),
-        y: axis("error against the truth (relative RMSE)", percent),
-        series: [by_asked(all, |u| u.error), vec![promised(all)]]
-            .into_iter()
-            .flatten()
-            .collect(),
-        front: Vec::new(),
-        guides: Vec::new(),
-        floor: None,
-    }
-}
-
-/// As much error as was asked for.
-fn promised(all: &[Used]) -> Series {
-    let errors = all.iter().filter_map(|u| match u.way {
-        Way::ToError(error) => Some(f64::from(error)),
-        _ => None,
-    });
-    let mut errors: Vec<f64> = errors.collect();
-    errors.sort_by(f64::total_cmp);
-    errors.dedup();
-    let dot = |error: f64| Dot {
-        at: (error, error),
-        label: String::new(),
-    };
-    styled(4, "as asked for", errors.into_iter().map(dot).collect())
-}
-
-fn cost(all: &[Used]) -> Chart {
-    Chart {
-        title: "What an error costs".into(),
-        subtitle: "A little less error should cost a little more time".into(),
-        x: axis("error asked for (relative RMSE)", percent),
-        y: axis("time of the whole bake (wall clock)", seconds),
-        series: by_asked(all, |u| u.seconds),
-        front: Vec::new(),
-        guides: Vec::new(),
-        floor: None,
-    }
-}
-
-/// The chapter of the report: what even spreading takes, and what use takes, to the same errors.
-pub(crate) fn chapter(all: &[Used], folder: &str) -> String {
-    if all.is_empty() {
-        return String::new();
-    }
-    let mut text = String::from(
-        "Scenes of bare faces, with no vertices but their corners: edges split evenly, against \
-         vertices placed by the light. The truth is exact direct light and a fine bake of the rest. \
-         – where an error was not reached.\n\n",
-    );
-    let header = [
-        "scene",
-        "error",
-        "vertices, uniform",
-        "used",
-        "time, uniform",
-        "used",
-    ];
-    let rows = scenes(all)
-        .into_iter()
-        .flat_map(|scene| GOALS.map(|goal| row(all, scene, goal)));
-    text += &markdown::table(&markdown::strings(&header), rows);
-    for (name, chart) in charts(all) {
-        text += &format!("\n![{}]({folder}/{name})\n", chart.title);
-    }
-    text
-}
-
-fn row(all: &[Used], scene: &str, goal: f64) -> Vec<String> {
-    let least = |kinds: &[usize], cost: fn(&Used) -> f64, tell: fn(f64) -> String| {
-        let of = all
-            .iter()
-            .filter(|u| u.scene == scene && kinds.contains(&u.way.kind()));
-        let points: Vec<(f64, f64)> = of.map(|u| (cost(u), u.error)).collect();
-        cost_of(goal, &points).map_or_else(|| "–".into(), tell)
-    };
-    let vertices = |kinds: &[usize]| least(kinds, |u| u.vertices, |v| count(v as u64));
-    let time = |kinds: &[usize]| least(kinds, |u| u.seconds, seconds);
-    vec![
-        scene.into(),
-        percent(goal),
-        vertices(&[0]),
-        vertices(&[1, 2]),
-        time(&[0]),
-        time(&[1, 2]),
-    ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn used(way: Way, vertices: f64, error: f64) -> Used {
-        Used {
-            scene: "court",
-            way,
-            vertices,
-            triangles: 2.0 * vertices,
-            rays: 64.0 * vertices,
-            seconds: 1e-3 * vertices,
-            error,
-            estimate: error,
-            stopped: "Error".into(),
-        }
-    }
-
-    #[test]
-    fn goals_are_read_off_the_lines() {
-        let all = [
-            used(Way::Uniform(0.4), 1000.0, 0.05),
-            used(Way::Uniform(0.2), 4000.0, 0.025),
-            used(Way::ToError(0.05), 100.0, 0.05),
-            used(Way::ToError(0.02), 400.0, 0.02),
-        ];
-        assert_eq!(
-            row(&all, "court", 0.05)[2..],
-            ["1,000", "100", "1 s", "100 ms"]
-        );
-        assert_eq!(row(&all, "court", 0.02)[2..4], ["–", "400"]);
-        let table = csv(&all);
-        assert!(table.lines().all(|l| l.split(',').count() == 10), "{table}");
-        assert_eq!(charts(&all).len(), 4);
-        assert!(chapter(&all, "accuracy").contains("refinement_court_vertices.svg"));
-        assert!(chapter(&[], "accuracy").is_empty());
-    }
 }

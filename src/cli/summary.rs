@@ -171,6 +171,11 @@ fn stopped(stopped: Stopped, made: &Made) -> String {
         ),
         Stopped::Memory => format!("; stopped at the memory allowed, {asked} was asked"),
         Stopped::Seconds => format!("; stopped when the time was over, {asked} was asked"),
-        Stopped::Limit => format!("; no way to come nearer to the {asked} asked"),
+        Stopped::Limit => match made.bake.report.error {
+            error if error.elements > made.settings.error / 2.0 => {
+                format!("; {asked} was asked, which takes more elements")
+            }
+            _ => format!("; no way to come nearer to the {asked} asked"),
+        },
     }
 }

@@ -54,6 +54,9 @@
 //! longest edge would have been cut with it. So a fine spot is surrounded by faces that grow with
 //! the distance to it, and what the spot costs outside grows with the logarithm of its fineness.
 //!
+//! [`Conforming::cut_edge`] cuts one edge where it is asked for, and whatever faces have it: for lines that
+//! edges are to follow, such as those of shadows. It asks nothing of angles.
+//!
 //! [`split_flat_corners`] is for meshes without normals, and comes before the splitting of edges;
 //! [`RefinedMesh::then`] makes one refinement of the two. [`PositionClasses`] finds the vertices
 //! that are one point of the surface.

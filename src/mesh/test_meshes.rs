@@ -59,8 +59,10 @@ pub(super) fn random(seed: u32) -> impl FnMut() -> f32 {
     }
 }
 
-/// Triangles between random points, many of them sharing edges, two, three and more at a time.
+/// Different triangles between random points, many of them sharing edges, two, three and more at a time.
 pub(super) fn soup(points: u32, triangle_count: usize, seed: u32) -> Mesh {
+    let possible = points * (points - 1) * (points - 2) / 6;
+    assert!(triangle_count < possible as usize, "too few points");
     let mut random = random(seed);
     let positions = (0..points)
         .map(|_| Vec3::new(random(), random(), random()) * 3.0 - 1.0)

@@ -23,8 +23,9 @@ pub struct BakeSettings {
     /// Puts vertices where the light needs them, until [`error`](Self::error) is met, instead of
     /// keeping those given. [`Object::refine`](super::Object::refine) says so for each object.
     pub refine: bool,
-    /// The error asked for: relative RMSE of the vertex light, 0.02 for 2 %. With
-    /// [`refine`](Self::refine) the bake goes on until its own estimate is below. Limit: 0.001..=1.
+    /// The error asked for: relative RMSE of the vertex light, 0.02 for 2 %; where light is more than
+    /// four times the mean, beside the light there. With [`refine`](Self::refine) the bake goes on until
+    /// its own estimate is below. Limit: 0.001..=1.
     pub error: f32,
     /// Vertices of the result, all objects together, at most; those given are kept in any case.
     pub max_vertices: u32,

@@ -105,7 +105,7 @@ const USELESS: u32 = 2;
 
 /// The share of the error asked for that vertices may leave in any case: elements and solver, which
 /// passes cannot mend, leave the rest.
-const VERTICES: f64 = 0.7;
+const VERTICES: f64 = 0.8;
 
 /// Passes at most.
 const PASSES: usize = 6;

@@ -175,9 +175,11 @@ impl Refiner<'_> {
             },
             None => self.run(given, &goal(Kind::Smooth, coarse_at_most), self.half_way())?,
         };
+        let mut rays = smooth.rays;
         let sharp = loop {
             let coarse = given.refined(scene, &smooth.by);
             let sharp = self.run(&coarse, &goal(Kind::Sharp, asked.max_vertices), self.until)?;
+            rays += sharp.rays;
             let used = coarse.refined(scene, &sharp.by).vertex_count();
             let room = asked.max_vertices.saturating_sub(used);
             let late = self.until.is_some_and(|until| Instant::now() > until);
@@ -187,6 +189,7 @@ impl Refiner<'_> {
             // Shadows leave room that was kept for them.
             coarse_at_most += room;
             smooth = self.run(given, &goal(Kind::Smooth, coarse_at_most), self.half_way())?;
+            rays += smooth.rays;
         };
         Ok(Refinement {
             error: ByKind {
@@ -196,7 +199,7 @@ impl Refiner<'_> {
             full: (smooth.full || sharp.full).then_some(asked.max_vertices),
             coarse: smooth.by,
             fine: sharp.by,
-            rays: smooth.rays + sharp.rays,
+            rays,
         })
     }
 
@@ -293,17 +296,16 @@ impl<'a> Work<'a> {
         self.conforming.bisect(face, limits, told)
     }
 
-    /// Cuts a face along a step of light: at either end of it, the far one first, so that no new edge
-    /// crosses the step.
+    /// Cuts a face along a step of light: at either end of it, the one far from the lone corner first, so
+    /// that no new edge crosses the step.
     ///
     /// ```text
-    ///          lone                 lone                  lone
-    ///           /\                   /\                    /\
-    ///          /  \                 /  \                  /__\
-    ///        - - - - -            /    \                /__--\   the step is between
-    ///        /      \            /_____ \              /_____-\  two rows of vertices
-    ///       /        \          /      ``\            /      ``\
-    ///      /__________\        /__________\          /__________\
+    ///         /\                 /\                 /\
+    ///        /  \               /  \               /__\    two rows of vertices,
+    ///    ---/----\--- step     /    \             /_/__\   the step between them
+    ///      /      \           /______\           /______\
+    ///     /        \         /   __.-'\         /   __.-'\
+    ///    /__________\       /_.-'______\       /_.-'______\
     /// ```
     ///
     /// An end that a vertex is at already is not cut.

@@ -8,9 +8,20 @@
 //! vertices as there may be.
 //!
 //! ```text
-//!   ┌─► ask at points ─► misfit × area ─► the worst faces, half of the error together ─┐
-//!   └──────────────────────────── bisect ◄─────────────────────────────────────────────┘
+//!   ┌─► ask at points ─► (misfit + strain) × area ─► the worst faces together ─┐
+//!   └────────────── bisect, or cut along the step ◄────────────────────────────┘
 //! ```
+//!
+//! A face has to meet the light of its neighbours at the corners, too: that is its strain. Else a
+//! shadow that ends where faces do would never be seen.
+//!
+//! Bisection alone follows the edge of a hard shadow with the square root of the number of vertices,
+//! because the jump takes a triangle's width and each halving of that width takes twice as many. Where
+//! light steps from one level to another across a face ([`step`]), the face is cut along the step, at
+//! both of its ends: two rows of vertices, as near to each other as the step is steep. So were shadows
+//! meshed by those who knew their edges from geometry (Lischinski, Tampieri and Greenberg 1992,
+//! "Discontinuity meshing for accurate radiosity"); here the light itself tells where they are,
+//! whatever throws them.
 //!
 //! That all faces end up with a like share of the error is what makes the mesh the cheapest for it
 //! (Dörfler 1996, "A convergent adaptive algorithm for Poisson's equation", marks like this).
