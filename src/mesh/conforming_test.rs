@@ -253,6 +253,38 @@ fn hard_edges_and_seams_stay_closed() {
 }
 
 #[test]
+fn edges_cut_anywhere_stay_closed() {
+    for mesh in [cube(), unshared(&cube()), grid(7, 5), unshared(&grid(7, 5))] {
+        let meshes = [moved(&mesh, Vec3::new(0.3, 0.1, 0.7))];
+        let mut trial = Trial::of(&meshes);
+        let (mut random, mut done) = (random(3), 0);
+        for _ in 0..200 {
+            let face = (random() * trial.mesh.faces() as f32) as u32 % trial.mesh.faces();
+            let (edge, at) = ((3.0 * random()) as u8 % 3, 0.02 + 0.96 * random());
+            let log = &mut trial.log;
+            let told = &mut |cut| log.push(cut);
+            let cut = trial.mesh.cut_edge((face, edge), at, &FREE, told);
+            done += u32::from(cut == Bisected::Done);
+            trial.bisect(face, &FREE);
+        }
+        // All but pieces too short to tell apart.
+        assert!(done > 150, "{done}");
+        trial.assert_no_t_junctions();
+        trial.assert_log_replays();
+        assert_eq!(trial.distinct_positions(), trial.mesh.nodes.len());
+        // Where it was asked for: a cut at a quarter of the first edge of the first face.
+        let mut whole = Trial::of(&meshes);
+        let [a, b, _] = whole.mesh.corners(0);
+        let mut cut = None;
+        whole
+            .mesh
+            .cut_edge((0, 0), 0.25, &FREE, &mut |c| cut = cut.or(Some(c)));
+        assert_eq!(cut.map(|c| (c.face, c.edge, c.at)), Some((0, 0, 0.25)));
+        assert!(whole.mesh.corners(0)[1].distance(a.lerp(b, 0.25)) < 1e-6);
+    }
+}
+
+#[test]
 fn a_neighbour_with_its_own_vertices_follows() {
     let meshes = [grid(3, 3), moved(&unshared(&grid(2, 3)), Vec3::X * 3.0)];
     let mut trial = Trial::of(&meshes);

@@ -1,11 +1,14 @@
-//! Vertices, memory and seconds are kept, and the report says which of them ended the bake.
+//! Vertices, memory and seconds are kept, the report says which of them ended the bake, and how few
+//! vertices are enough.
 
 use std::time::Instant;
 
 use bevy_fresco::radiosity::{Bake, BakeSettings, Scene, Stopped, bake};
 use rayon::ThreadPoolBuilder;
 
+use crate::known::error::measure;
 use crate::known::scenes::{court, lit_scenes, room_with_panel};
+use crate::truth::{Known, known};
 
 /// More than can be had.
 const LEAST_ERROR: f32 = 0.001;
@@ -35,6 +38,55 @@ fn vertices_are_kept_and_used() {
             assert!(
                 used as f64 >= 0.95 * f64::from(allowed),
                 "{used} of {allowed}"
+            );
+        }
+    }
+}
+
+/// Hard shadows of the sun take no more vertices than a game has to spare for them.
+#[test]
+fn hard_shadows_are_followed() {
+    let Known { layout, truth } = known(0);
+    let settings = BakeSettings {
+        refine: true,
+        error: 0.03,
+        max_vertices: 10_000,
+        ..BakeSettings::default()
+    };
+    let baked = run(&layout.scene(), &settings);
+    let error = measure(layout, truth, &baked, 40_000).rmse;
+    assert!(error <= 0.03, "{error}");
+    assert!(vertices(&baked) <= 6_000, "{}", vertices(&baked));
+}
+
+/// With a quarter of the vertices the light is no worse than with all edges cut to one length.
+#[test]
+fn a_quarter_of_the_vertices_is_enough() {
+    for scene in [0, 4] {
+        let Known { layout, truth } = known(scene);
+        let error = |baked: &Bake| measure(layout, truth, baked, 40_000).rmse;
+        for max_edge in [0.2, 0.1] {
+            let even = BakeSettings {
+                refine: false,
+                max_edge: Some(max_edge),
+                ..BakeSettings::default()
+            };
+            let even = run(&layout.scene(), &even);
+            let placed = BakeSettings {
+                refine: true,
+                error: 0.5 * error(&even) as f32,
+                max_vertices: vertices(&even) as u32 / 4,
+                ..BakeSettings::default()
+            };
+            let placed = run(&layout.scene(), &placed);
+            let name = layout.name;
+            assert!(
+                error(&placed) <= error(&even),
+                "{name}: {} vertices {}, {} vertices {}",
+                vertices(&placed),
+                error(&placed),
+                vertices(&even),
+                error(&even)
             );
         }
     }

@@ -296,8 +296,9 @@ fn veils_and_gratings() {
         alpha: AlphaMode::Mask(0.5),
         ..Material::default()
     };
+    // Through three of its bars a receiver sees the lamp.
     let mut fine = above();
-    fine.uvs[0].iter_mut().for_each(|uv| *uv *= 64.0);
+    fine.uvs[0].iter_mut().for_each(|uv| *uv *= 60.0);
     let mut scene = under_lamp(shining(5.0), vec![(fine, grating)]);
     scene.textures.push(Texture {
         name: "bars".into(),
@@ -308,11 +309,17 @@ fn veils_and_gratings() {
     });
     on_stage(scene, 100, |stage| {
         let floor = spread(stage, Vec3::new(-0.5, 0.0, -0.5), 1.0, 8);
-        let (light, traced) = stage.light(&floor, 64, 3);
         let truth: f64 = floor.iter().map(|r| 0.5 * stage.unshadowed(r, 1)).sum();
-        let found: f64 = light.iter().sum();
-        assert!((found / truth - 1.0).abs() < 0.01, "{found}, {truth}");
-        assert_eq!(traced, 64 * 64);
+        let mut sum = 0.0;
+        for seed in 0..16 {
+            let (light, traced) = stage.light(&floor, 64, seed);
+            assert_eq!(traced, 64 * 64);
+            let found: f64 = light.iter().sum();
+            // By chance one of 4,096 rays is off by half, all of them by a 128th.
+            assert!((found / truth - 1.0).abs() < 0.04, "{found}, {truth}");
+            sum += found / 16.0;
+        }
+        assert!((sum / truth - 1.0).abs() < 0.01, "{sum}, {truth}");
     });
 }
 
