@@ -79,8 +79,9 @@ const MAX_ITERATIONS: usize = 500;
 /// samples of the other (cross-validation), and λ grows as long as that gets better.
 ///
 /// Each kind of light is fitted on its own mesh, and the coarse mesh's light is carried over to the
-/// vertices of the fine one inside it. Unknowns of one of `seams` get one light. A `known` smoothing is taken as it is, with the sampling error
-/// found along with it. `go_on` is asked between solutions.
+/// vertices of the fine one inside it. Unknowns of one of `seams` get one light. A `known` smoothing
+/// is taken as it is, with the sampling error found along with it. `go_on` is asked between
+/// solutions.
 pub(crate) fn fit(
     samples: &Samples,
     receivers: &Receivers,
@@ -104,14 +105,17 @@ pub(crate) fn fit(
     let both = sharp.light.iter().zip(&gathered);
     let mut whole: Vec<Vec3> = both.map(|(&a, &b)| a + b).collect();
     let mut area = vec![0.0_f32; unknowns];
-    let mut sampled = vec![false; unknowns];
+    // Of what lies inside geometry, and of all but one of walls modelled twice, nothing is known.
+    let mut valid = vec![0.0_f32; unknowns];
     for t in samples.sharp {
+        let share = (t.taken - t.invalid) as f32 / t.taken.max(1) as f32;
         for &u in &t.unknowns {
             area[u as usize] += t.area / 3.0;
-            sampled[u as usize] |= t.invalid < t.taken;
+            valid[u as usize] += t.area / 3.0 * share;
         }
     }
-    close_seams(&mut whole, &area, seams);
+    let sampled: Vec<bool> = valid.iter().map(|&a| a > 0.0).collect();
+    close_seams(&mut whole, &valid, seams);
     let total: f64 = (area.iter().map(|&a| f64::from(a)).sum::<f64>()).max(f64::MIN_POSITIVE);
     let mean = |f: &dyn Fn(usize) -> f64| {
         (0..unknowns)
@@ -191,12 +195,12 @@ fn fit_layer(
     })
 }
 
-/// Gives vertices of different objects at one place the same light.
-fn close_seams(light: &mut [Vec3], area: &[f32], seams: &[Vec<u32>]) {
+/// Gives vertices of different objects at one place the same light: the mean by valid area.
+fn close_seams(light: &mut [Vec3], valid: &[f32], seams: &[Vec<u32>]) {
     for seam in seams {
-        let weight: f32 = seam.iter().map(|&u| area[u as usize]).sum();
+        let weight: f32 = seam.iter().map(|&u| valid[u as usize]).sum();
         let sum: Vec3 = (seam.iter())
-            .map(|&u| light[u as usize] * area[u as usize])
+            .map(|&u| light[u as usize] * valid[u as usize])
             .sum();
         if weight > 0.0 {
             for &u in seam {
