@@ -79,10 +79,12 @@
 //! - **It is black.** Read the notes of the report: it says so when no light reaches any surface,
 //!   which is mostly a one-sided lamp that faces the wrong way.
 //! - **It is blotchy.** The report's sampling error is above a percent or two: use a finer preset.
-//! - **Shadows are coarse or missing.** Light lives on vertices: give long walls more of them with
-//!   [`max_edge`](radiosity::BakeSettings::max_edge).
-//! - **Light leaks under a wall.** A face runs under the wall and carries the light of both sides;
-//!   split it where the wall stands.
+//! - **Shadows are coarse.** Vertices are put where the light needs them, to the error asked for: ask for
+//!   a smaller [`error`](radiosity::BakeSettings::error), and see what the report says it stopped at.
+//! - **Shadows are missing on one object.** It may be one that keeps its vertices: see
+//!   [`Object::refine`](radiosity::Object::refine).
+//! - **Light leaks under a wall.** Faces are cut where others touch them. A wall that hovers higher
+//!   than a two-thousandth of the scene's size lets light through, as it would.
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -73,8 +73,8 @@ const SAMPLES: ByKind<f64> = ByKind {
 /// What vertices leave that are fitted to all faces around them, beside what refinement goes by: the mean
 /// at each vertex of what fits these faces one by one. Measured on rooms and courts.
 const FIT: ByKind<f64> = ByKind {
-    smooth: 0.65,
-    sharp: 0.8,
+    smooth: 0.85,
+    sharp: 0.9,
 };
 
 /// Samples are spread so evenly that their error falls faster than by chance: as their number to the
@@ -107,7 +107,7 @@ const USELESS: u32 = 2;
 
 /// The share of the error asked for that vertices may leave in any case: elements and solver, which
 /// passes cannot mend, leave the rest.
-const VERTICES: f64 = 0.8;
+const VERTICES: f64 = 0.75;
 
 /// Passes at most.
 const PASSES: usize = 6;

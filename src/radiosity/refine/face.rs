@@ -31,7 +31,7 @@ pub(super) struct FaceLight {
 }
 
 /// A misfit counts from so many of its standard errors on.
-const SURE: f64 = 1.5;
+const SURE: f64 = 2.0;
 
 /// Samples that three corner values fit whatever they are.
 const CORNERS: usize = 3;
@@ -44,9 +44,9 @@ impl FaceLight {
     /// on the side of `i` if `b_j (1 − a) ≤ b_i a`, and there
     ///
     /// ```text
-    ///   ┌─────────────────────────────────────────────┐
+    ///   ┌───────────────────────────────────────────────────┐
     ///   │  b_i' = b_i − b_j (1 − a) / a    b_cut' = b_j / a │
-    ///   └─────────────────────────────────────────────┘
+    ///   └───────────────────────────────────────────────────┘
     /// ```
     ///
     /// On the other side `i` and `j` change places, and `a` and `1 − a`.
@@ -76,9 +76,9 @@ impl FaceLight {
     /// a linear fit to `n` points leaves,
     ///
     /// ```text
-    ///                         ┌───────────────────────────────────────┐
-    ///   mean (r_A r_B) n      │  misfit² = Σ r_A r_B / (n − 3)         │
-    ///                         └───────────────────────────────────────┘
+    ///                         ┌─────────────────────────────────┐
+    ///   mean (r_A r_B) n      │  misfit² = Σ r_A r_B / (n − 3)  │
+    ///                         └─────────────────────────────────┘
     /// ```
     ///
     /// because the errors of the two sets have nothing to do with each other: noise does not look
@@ -138,9 +138,9 @@ impl FaceLight {
     /// Light that is off by `d` at the corners `i` and linear between them is off by
     ///
     /// ```text
-    ///   ┌─────────────────────────────────┐
+    ///   ┌──────────────────────────────────┐
     ///   │  (Σ d_i² + Σ_{i<j} d_i d_j) / 6  │   in the mean square,
-    ///   └─────────────────────────────────┘
+    ///   └──────────────────────────────────┘
     /// ```
     ///
     /// the product of two sets of which, again, knows no noise but by chance: the fit has that of 3 of
