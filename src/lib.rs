@@ -62,6 +62,8 @@
 //! |---|---|---|
 //! | [`radiosity`] | scene, elements, form factors, solver, vertex light; no engine in it | always |
 //! | [`mesh`] | refinement that keeps shared edges together, position classes | always |
+//! | [`height_map`] | heights and slopes of grey images, between texels | always |
+//! | [`bump`] | normals of a surface raised by a height map, in plain Rust | always |
 #![cfg_attr(
     feature = "gltf",
     doc = "| [`gltf`] | glTF in and out, without Bevy | `gltf` |"
@@ -86,10 +88,12 @@
 //! - **Light leaks under a wall.** Faces are cut where others touch them. A wall that hovers higher
 //!   than a two-thousandth of the scene's size lets light through, as it would.
 
+pub mod bump;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "gltf")]
 pub mod gltf;
+pub mod height_map;
 pub mod mesh;
 #[cfg(feature = "bevy")]
 pub mod plugin;

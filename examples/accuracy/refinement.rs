@@ -37,6 +37,9 @@ const VERTICES: [u32; 9] = [250, 500, 1000, 2000, 4000, 8000, 16_000, 32_000, 64
 /// Below what can be reached: only vertices end the bake.
 const LEAST_ERROR: f32 = 0.004;
 
+/// More than any step has.
+const MOST_VERTICES: u32 = 10_000_000;
+
 /// Points at which a bake is compared with the truth.
 const POINTS: usize = 40_000;
 
@@ -88,17 +91,15 @@ impl Way {
             ..BakeSettings::BALANCED
         };
         match self {
+            // Time ends the line, not how many there may be.
             Self::Uniform(edge) => BakeSettings {
+                refine: false,
                 max_edge: Some(edge),
+                max_vertices: MOST_VERTICES,
                 ..plain
             },
-            Self::ToError(error) => BakeSettings {
-                refine: true,
-                error,
-                ..plain
-            },
+            Self::ToError(error) => BakeSettings { error, ..plain },
             Self::ToVertices(max_vertices) => BakeSettings {
-                refine: true,
                 error: LEAST_ERROR,
                 max_vertices,
                 ..plain
