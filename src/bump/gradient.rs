@@ -110,7 +110,7 @@ mod tests {
     use crate::bump::blinn_normal;
     use crate::height_map::{HeightMap, Kernel, Wrap};
 
-    /// SplitMix64 (G. L. Steele and others, 2014).
+    /// `SplitMix64` (G. L. Steele and others, 2014).
     struct Random(u64);
 
     impl Random {
