@@ -54,6 +54,8 @@
 
 mod blinn;
 mod gradient;
+#[cfg(test)]
+mod gradient_test;
 
 pub use blinn::blinn_normal;
 pub use gradient::{

@@ -23,6 +23,8 @@
 //! | `kernel` | heights and slopes between texels |
 
 mod kernel;
+#[cfg(test)]
+mod kernel_test;
 mod map;
 
 pub use kernel::{Kernel, Relief};

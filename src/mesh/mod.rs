@@ -71,7 +71,7 @@ mod part;
 mod refined;
 mod split;
 #[cfg(test)]
-mod test_meshes;
+pub(crate) mod test_meshes;
 mod weld;
 
 pub use conforming::{Bisected, Bisection, Conforming, Limits};

@@ -51,7 +51,7 @@ pub(super) fn unshared((positions, triangles): &Mesh) -> Mesh {
 }
 
 /// Random numbers in `0..1`, the same on every run.
-pub(super) fn random(seed: u32) -> impl FnMut() -> f32 {
+pub(crate) fn random(seed: u32) -> impl FnMut() -> f32 {
     let mut state = seed;
     move || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

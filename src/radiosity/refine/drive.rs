@@ -182,8 +182,11 @@ impl Refiner<'_> {
             rays += sharp.rays;
             let used = coarse.refined(scene, &sharp.by).vertex_count();
             let room = asked.max_vertices.saturating_sub(used);
-            let late = self.until.is_some_and(|until| Instant::now() > until);
-            if !smooth.full || sharp.full || late || room * WORTH_FILLING < asked.max_vertices {
+            if !smooth.full
+                || sharp.full
+                || is_over(self.until)
+                || room * WORTH_FILLING < asked.max_vertices
+            {
                 break sharp;
             }
             // Shadows leave room that was kept for them.
@@ -223,7 +226,7 @@ impl Refiner<'_> {
             work.judge(&stale)?;
             work.weigh();
             error = work.error();
-            if full || error <= goal.error || until.is_some_and(|until| Instant::now() > until) {
+            if full || error <= goal.error || is_over(until) {
                 break;
             }
             (stale, full) = work.cut_worst(&limits);
@@ -238,6 +241,10 @@ impl Refiner<'_> {
             by: work.finish(),
         })
     }
+}
+
+fn is_over(until: Option<Instant>) -> bool {
+    until.is_some_and(|until| Instant::now() > until)
 }
 
 /// Hands the samples of faces that are cut on to their pieces, and tells which are others now.
