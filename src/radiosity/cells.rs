@@ -62,15 +62,22 @@ impl Cells {
     /// The element at a point, counted from the triangle's first.
     #[inline]
     pub(super) fn at(&self, uv: [f32; 2], cuts: &[CellCut]) -> u32 {
+        self.within(uv, cuts).0
+    }
+
+    /// The same, and where in it the point is.
+    #[inline]
+    pub(super) fn within(&self, uv: [f32; 2], cuts: &[CellCut]) -> (u32, [f32; 2]) {
         if self.n <= 1 {
-            return 0;
+            return (0, uv);
         }
         let (cell, within) = cell_of(uv, self.n);
         if self.cuts == WHOLE {
-            return cell;
+            return (cell, within);
         }
         let cut = cuts[(self.cuts + cell) as usize];
-        cut.first + cell_of(within, cut.m).0
+        let (part, within) = cell_of(within, cut.m);
+        (cut.first + part, within)
     }
 }
 
@@ -96,7 +103,7 @@ impl Part {
 ///   +---\ u
 /// ```
 #[inline]
-fn cell_of(uv: [f32; 2], n: u16) -> (u32, [f32; 2]) {
+pub(super) fn cell_of(uv: [f32; 2], n: u16) -> (u32, [f32; 2]) {
     if n <= 1 {
         return (0, uv);
     }
@@ -111,7 +118,7 @@ fn cell_of(uv: [f32; 2], n: u16) -> (u32, [f32; 2]) {
 }
 
 /// The triangle's barycentrics of a point given by its barycentrics in one of `n²` cells.
-fn in_cell(point: Vec3, cell: u32, n: u16) -> Vec3 {
+pub(super) fn in_cell(point: Vec3, cell: u32, n: u16) -> Vec3 {
     if n <= 1 {
         return point;
     }

@@ -8,6 +8,7 @@ use super::element_builder::Builder;
 use super::layout::Layout;
 use super::occlusion::Hit;
 use super::sampling::{hash, triangle as triangle_point};
+use super::spot::Spot;
 use super::surface::Surfaces;
 use super::triangle::area;
 use super::validate::ValidScene;
@@ -205,11 +206,20 @@ impl Elements {
         Some(ElementId(base + cells.at(hit.uv, &self.cuts)))
     }
 
-    fn pieces_of(&self, e: usize) -> &[Piece] {
+    /// The spot that a ray hit; `None` for the black back of a one-sided surface.
+    #[inline]
+    pub(crate) fn spot_at(&self, hit: &Hit) -> Option<Spot> {
+        let cells = self.cells[hit.triangle as usize];
+        let base = if hit.back { cells.back? } else { cells.front };
+        let (element, within) = cells.within(hit.uv, &self.cuts);
+        Some(Spot::new(base + element, within))
+    }
+
+    pub(super) fn pieces_of(&self, e: usize) -> &[Piece] {
         &self.pieces[self.first_piece[e] as usize..self.first_piece[e + 1] as usize]
     }
 
-    fn part(&self, piece: &Piece) -> Part {
+    pub(super) fn part(&self, piece: &Piece) -> Part {
         Part {
             n: self.cells[piece.triangle as usize].n,
             m: piece.m.into(),

@@ -172,7 +172,7 @@ fn bytes(scene: &ValidScene, settings: &BakeSettings, counts: &Estimate, triangl
     const PER_INPUT_TRIANGLE: u64 = 900;
     const PER_VERTEX: u64 = 350;
     const PER_TRIANGLE: u64 = 500;
-    const PER_ELEMENT: u64 = 200;
+    const PER_ELEMENT: u64 = 330;
     // Eight-bit texels, and their pyramid in four floats.
     const PER_TEXEL: u64 = 4 + 22;
     let texels: usize = scene.textures.iter().map(|t| t.texels.len()).sum();

@@ -27,6 +27,8 @@ pub(crate) struct FirstLook {
     pub(crate) elements: Arc<Elements>,
     /// What leaves each and form factors find.
     pub(crate) seen: Vec<Vec3A>,
+    /// The same by spot, as each half of their rays tells it.
+    pub(crate) halves: [Vec<Vec3A>; 2],
 }
 
 /// What is known of a patch.

@@ -17,8 +17,11 @@ use super::illumination::{Shadow, illumination};
 use super::light::{DirectLight, Light};
 use super::occlusion::{Hit, NO_TRIANGLE, OFFSET, Occluders};
 use super::receiver_mesh::{ReceiverMesh, ReceiverMeshes};
-use super::sampling::{cosine_hemisphere, frame, hash, sobol, triangle as triangle_point};
+use super::sampling::{
+    cosine_hemisphere, frame, hash, sobol, sobol_2d, triangle as triangle_point,
+};
 use super::settings::BakeSettings;
+use super::spot::Spot;
 use super::triangle::{area, face_normal};
 use super::validate::ValidScene;
 
@@ -345,7 +348,12 @@ impl Gather<'_> {
                 bundle.push(id, Some(reach));
                 continue;
             }
-            let now = known.map_or_else(|| change.translate(id), |m| change.translate(m.element));
+            let spot = Spot(id);
+            let now = match known {
+                Some(m) => change.translate(m.element),
+                None if spot.is_one() => change.translate(spot.element().0),
+                None => id,
+            };
             let marked = || {
                 self.marks
                     .iter()
@@ -356,7 +364,12 @@ impl Gather<'_> {
                 self.ray(patch, place, ray, bundle, traced);
                 continue;
             }
-            bundle.push(if known.is_some() { SAMPLED } else { now }, Some(reach));
+            let found = match known {
+                Some(_) => SAMPLED,
+                None if spot.is_one() => spot.of(now).0,
+                None => now,
+            };
+            bundle.push(found, Some(reach));
             bundle.met.extend(known.map(|m| Met { element: now, ..*m }));
         }
     }
@@ -365,8 +378,7 @@ impl Gather<'_> {
     /// block of its own: so they are spread evenly together, and the triangle's light is far better
     /// known than that of one sample.
     fn ray(&self, patch: &Patch, place: &Place, ray: u32, bundle: &mut Bundle, traced: &mut u64) {
-        let [u, v, ..] = sobol(ray, 2, patch.seed);
-        let direction = frame(place.shading) * cosine_hemisphere(u, v);
+        let direction = frame(place.shading) * patch.direction(ray);
         let reach = |distance| self.remember.then(|| Reach::new(direction, distance));
         // A smooth normal may point rays below the surface: those see nothing real, the others
         // stand in for them.
@@ -380,14 +392,14 @@ impl Gather<'_> {
             return bundle.push(SKY, reach(f32::INFINITY));
         };
         let reach = reach(hit.distance);
-        let Some(element) = self.elements.at(&hit) else {
+        let Some(spot) = self.elements.spot_at(&hit) else {
             // A leaf or a veil is a sheet, not the inside of anything.
             let sheet = self.occluders.transmits(hit.triangle);
             return bundle.push(if sheet { SHEET } else { BLACK }, reach);
         };
-        let receiver = place.receiver(patch.live);
+        let (element, receiver) = (spot.element(), place.receiver(patch.live));
         let Some([emitted, reflected]) = self.weights(element, &receiver, direction, &hit) else {
-            return bundle.push(element.0, reach);
+            return bundle.push(spot.0, reach);
         };
         bundle.push(SAMPLED, reach);
         bundle.met.push(Met {
@@ -567,6 +579,12 @@ impl Patch<'_> {
         };
         let places = (self.places).get_or_init(|| (0..self.samples).map(place).collect());
         &places[i as usize]
+    }
+
+    /// Direction of a ray about +Z.
+    fn direction(&self, ray: u32) -> Vec3 {
+        let [u, v] = sobol_2d(ray, self.seed);
+        cosine_hemisphere(u, v)
     }
 
     /// Which block of a sequence sample `i` takes: those of a half-set follow each other, so that

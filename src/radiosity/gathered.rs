@@ -4,11 +4,12 @@ use std::sync::Arc;
 use glam::{Vec3, Vec3A};
 
 use super::bounds::Reach;
-use super::element::{ElementId, Elements};
+use super::element::Elements;
 use super::emitter::Emitters;
 use super::form_factor::{BLACK, GONE, SKY};
 use super::light::{DirectLight, Light};
 use super::receiver_mesh::ReceiverMesh;
+use super::spot::Spot;
 use super::triangle::area;
 
 /// In place of an element: the back of a sheet that light passes in part.
@@ -143,7 +144,7 @@ impl AddAssign for Share {
 #[derive(Default)]
 pub(crate) struct Bundle {
     pub(crate) samples: Vec<Sample>,
-    /// Element that each ray met, or why there is none: so many a sample.
+    /// [`Spot`] that each ray met, or why there is none: so many a sample.
     pub(crate) ids: Vec<u32>,
     /// How far they went; empty if nobody will ask.
     pub(crate) reaches: Vec<Reach>,
@@ -298,7 +299,7 @@ impl TriangleSamples {
 
 /// The light that is there, to put into what was gathered.
 pub(crate) struct Shining<'a> {
-    /// What leaves each element, but for what is sampled.
+    /// What leaves each spot, but for what is sampled.
     seen: Vec<Vec3A>,
     elements: &'a Elements,
     reflected: &'a [Vec3A],
@@ -317,7 +318,7 @@ impl<'a> Shining<'a> {
     ) -> Self {
         let leaves = |e: usize| reflected[e] + Vec3A::from(elements.emission[e]);
         Self {
-            seen: (0..reflected.len()).map(leaves).collect(),
+            seen: elements.spread(&(0..reflected.len()).map(leaves).collect::<Vec<_>>()),
             elements,
             reflected,
             lights,
@@ -326,11 +327,11 @@ impl<'a> Shining<'a> {
         }
     }
 
-    /// What leaves an element that a ray met: all of it, or so much of what it emits and reflects.
-    pub(crate) fn of(&self, element: ElementId, weights: Option<[f32; 2]>) -> Vec3 {
-        let e = element.0 as usize;
+    /// What leaves a spot that a ray met: all of it, or so much of what its element emits and reflects.
+    pub(crate) fn of(&self, spot: Spot, weights: Option<[f32; 2]>) -> Vec3 {
+        let e = spot.element().0 as usize;
         match weights {
-            None => self.seen[e].into(),
+            None => self.seen[spot.0 as usize].into(),
             Some([emitted, reflected]) => {
                 self.elements.emission[e] * emitted + Vec3::from(self.reflected[e]) * reflected
             }
@@ -374,7 +375,7 @@ impl<'a> Shining<'a> {
         samples
     }
 
-    /// Light of the elements that rays met, four at a time because one addition takes as long as
+    /// Light of the spots that rays met, four at a time because one addition takes as long as
     /// four that do not wait for each other.
     fn sum(&self, ids: &[u32]) -> Vec3A {
         let value = |id: u32| self.seen.get(id as usize).copied().unwrap_or(Vec3A::ZERO);

@@ -111,6 +111,9 @@ mod seams;
 mod settings;
 mod solve;
 mod speed;
+mod spot;
+#[cfg(test)]
+mod spot_test;
 mod stages;
 mod surface;
 mod surroundings;

@@ -2,9 +2,9 @@ use glam::{Vec3, Vec3A};
 
 use super::color::luminance;
 use super::direct::{Sampler, ShadowRays, loose_emission};
-use super::element_error::{Sent, apart};
+use super::element_error::{OF_FINER, Sent, apart};
 use super::first_look::FirstLook;
-use super::form_factor::{RowByRow, Traced, View};
+use super::form_factor::{Matrix, RowByRow, Traced, View};
 use super::observer::{Observer, Stage};
 use super::parallel::{Cancelled, map_chunks, map_ranges};
 use super::sampling::hash;
@@ -234,17 +234,14 @@ impl Judge<'_> {
         let Some(first) = self.first else {
             return Ok((0.0, 0));
         };
-        let fine = Sent {
-            elements: self.view.elements,
-            light: seen,
-        };
+        let fine = Sent::new(self.view, self.traced, seen);
         let coarse = Sent {
             elements: &first.elements,
-            light: &first.seen,
+            spots: first.halves.clone(),
         };
         let arriving = &self.solution.arriving;
-        let (apart, rays) = apart(self.view, arriving, (fine, coarse), observer)?;
-        Ok((apart as f32, rays))
+        let (apart, rays) = apart(self.view, (seen, arriving), (&fine, &coarse), observer)?;
+        Ok(((OF_FINER * apart) as f32, rays))
     }
 
     /// Mean light that arrives.
@@ -290,17 +287,8 @@ impl Judge<'_> {
     /// Mean of `Σ_j F_ij²`, over some elements.
     fn concentration(&self) -> f64 {
         let chosen = self.chosen(BOUNCED);
-        let of = |&e: &usize| {
-            let mut weights: Vec<(u32, f32)> = Vec::new();
-            self.traced
-                .rows
-                .each(e, |id, weight| weights.push((id, weight)));
-            weights.sort_by_key(|w| w.0);
-            let same = weights.chunk_by(|a, b| a.0 == b.0);
-            same.map(|w| w.iter().map(|w| f64::from(w.1)).sum::<f64>().powi(2))
-                .sum::<f64>()
-        };
-        chosen.iter().map(of).sum::<f64>() / chosen.len().max(1) as f64
+        let rows = &self.traced.rows;
+        chosen.iter().map(|&e| concentration(rows, e)).sum::<f64>() / chosen.len().max(1) as f64
     }
 
     /// By how much reflection between surfaces makes the mean of light grow.
@@ -315,5 +303,68 @@ impl Judge<'_> {
             lost += out * (1.0 - f64::from(luminance(again)));
         }
         if lost > 0.0 { reflected / lost } else { 1.0 }
+    }
+}
+
+/// `Σ_j F_ij²` of a row.
+///
+/// Where `S` rays of weight `w` tell a row, `n_j` of which met element `j`, the sum of `(n_j w)²` is at
+/// least that of the rays' own squares, however small the elements are. A ray and another meet the same
+/// element with the chance that is asked for:
+///
+/// ```text
+///   ┌──────────────────────────────────────────────────┐
+///   │  Σ_j F_ij² ≈ w² (Σ_j n_j² − S) / (1 − 1/S)         │
+///   └──────────────────────────────────────────────────┘
+/// ```
+fn concentration(rows: &Matrix, e: usize) -> f64 {
+    let mut weights: Vec<(u32, f32)> = Vec::new();
+    rows.each(e, |id, weight| weights.push((id, weight)));
+    weights.sort_by_key(|w| w.0);
+    let squares: f64 = weights.iter().map(|w| f64::from(w.1).powi(2)).sum();
+    let same = weights.chunk_by(|a, b| a.0 == b.0);
+    let together: f64 = same
+        .map(|w| w.iter().map(|w| f64::from(w.1)).sum::<f64>().powi(2))
+        .sum();
+    match rows {
+        Matrix::Hits(hits) => {
+            let own = f64::from(hits.per_ray(e));
+            (together - squares).max(0.0) / (1.0 - own).max(f64::EPSILON)
+        }
+        Matrix::Rows(_) => together,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::radiosity::form_factor::{HitList, Row};
+
+    #[test]
+    fn rows_of_weights_are_as_concentrated_as_they_say() {
+        let row = Row {
+            entries: vec![(0, 0.5), (2, 0.25)],
+            sky: 0.25,
+        };
+        let rows = Matrix::of(vec![row.clone(), row.clone(), row]);
+        assert_eq!(concentration(&rows, 1), 0.3125);
+    }
+
+    /// Rays that know `n` elements of one size by chance alone: with the squares of the rays' own the sum
+    /// would be 1/16 and more.
+    #[test]
+    fn rays_do_not_make_rows_more_concentrated() {
+        let (n, rays) = (1000, 16);
+        let row = |e: u32| -> Vec<Option<u32>> {
+            (0..rays).map(|k| Some(hash(k, hash(e, 7)) % n)).collect()
+        };
+        let lists: Vec<_> = (0..n).map(row).collect();
+        let rows = Matrix::Hits(HitList::from_rows(&lists));
+        let mean = (0..n as usize)
+            .map(|e| concentration(&rows, e))
+            .sum::<f64>()
+            / f64::from(n);
+        // 120 pairs in each of 1,000 rows: one in ten is expected to meet, give or take 9 %.
+        assert!((mean * f64::from(n) - 1.0).abs() < 0.3, "{mean}");
     }
 }

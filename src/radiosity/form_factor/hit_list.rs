@@ -70,7 +70,7 @@ impl HitList {
     }
 
     /// The weight of each ray of a row.
-    pub(super) fn per_ray(&self, e: usize) -> f32 {
+    pub(crate) fn per_ray(&self, e: usize) -> f32 {
         1.0 / self.row(e).len() as f32
     }
 

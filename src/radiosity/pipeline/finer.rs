@@ -5,13 +5,13 @@ use crate::radiosity::findings::COVER;
 use crate::radiosity::form_factor::FormFactors;
 use crate::radiosity::settings::BakeSettings;
 
-/// Share of the error asked for that elements of constant light may leave, and as much that chance may
+/// Share of the error asked for that the size of elements may leave, and as much that chance may
 /// in their rays: together what vertices leave to them.
-const ELEMENTS: f64 = 0.42;
+const ELEMENTS: f64 = 0.45;
 
-/// What elements of constant light leave out goes down as their number to the power of −0.55, and what
+/// What elements leave out goes down as their number to the power of −0.75, and what
 /// chance leaves as that of their rays to the power of −0.7 (measured on the Cornell box).
-const CELLS_BY_ERROR: f64 = 1.0 / 0.55;
+const CELLS_BY_ERROR: f64 = 1.0 / 0.75;
 const RAYS_BY_ERROR: f64 = 1.0 / 0.7;
 
 /// So many times what the settings say, at most.

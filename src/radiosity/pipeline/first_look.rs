@@ -6,6 +6,7 @@ use super::Run;
 use crate::radiosity::bake::BakeError;
 use crate::radiosity::direct::{Sampler, loose_emission};
 use crate::radiosity::element::Elements;
+use crate::radiosity::element_error::Sent;
 use crate::radiosity::emitter::Emitters;
 use crate::radiosity::emitter_tree::EmitterTree;
 use crate::radiosity::first_look::FirstLook;
@@ -66,6 +67,7 @@ impl Run<'_> {
             let (seen, traced) = run.look(&view)?;
             let first = FirstLook {
                 elements: patches.clone(),
+                halves: Sent::new(&view, &traced, &seen).spots,
                 seen,
             };
             let layout = first.layout(run.scene, &traced, &layout, run.settings);

@@ -1,6 +1,6 @@
 use glam::Vec3;
 
-use super::probe::Probe;
+use super::probe::{Probe, ProbeRays};
 use crate::radiosity::fit::Fit;
 use crate::radiosity::gather::Gather;
 use crate::radiosity::gathered::Shining;
@@ -227,14 +227,12 @@ impl Ask<'_> {
         let (o, t) = (picked.object as usize, picked.triangle as usize);
         let rays_by_error = (RAYS / self.gather.settings.error) as u32;
         let gathering = rays_by_error.clamp(RAYS_LIMITS.0, RAYS_LIMITS.1);
-        let probe = |kind| Probe {
-            gather: self.gather,
-            shining: self.shining,
-            kind,
-            seed: hash(i as u32, self.seed),
-            rays: gathering,
-            shadow_rays: gathering / 4,
+        let rays_of_set = ProbeRays {
+            gathering,
+            shadow: gathering / 4,
         };
+        let seed = hash(i as u32, self.seed);
+        let probe = |kind| Probe::new(self.gather, self.shining, kind, seed, rays_of_set);
         let (mesh, b) = (&self.meshes.meshes[o], triangle_point(u, v));
         let (smooth, sharp) = (probe(Kind::Smooth), probe(Kind::Sharp));
         let ground = smooth.ground(mesh, o, t)?;

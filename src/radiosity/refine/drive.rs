@@ -5,7 +5,7 @@ use std::time::Instant;
 use glam::{DVec3, Vec3};
 
 use super::face::{FaceLight, Sample};
-use super::probe::{LEAST_SHADOW_RAYS, Probe};
+use super::probe::{LEAST_SHADOW_RAYS, Probe, ProbeRays};
 use super::step::Step;
 use crate::mesh::{Bisected, Bisection, Conforming, Limits, Origin, Part, Refined};
 use crate::radiosity::gather::Gather;
@@ -120,8 +120,10 @@ const BULK: f64 = 0.6;
 const ROUNDS: usize = 60;
 
 /// Gathering rays of either set at a point, beside the error asked for: what noise hides cannot be
-/// found.
+/// found. So many at least: with fewer, a hot spot that one of them meets looks like detail, and meshes
+/// follow it.
 const RAYS: f32 = 0.48;
+const LEAST_RAYS: u32 = 40;
 
 /// A vertex is at the end of a step if it is nearer than this share of the step's width.
 const AT_VERTEX: f32 = 0.5;
@@ -280,14 +282,16 @@ impl<'a> Work<'a> {
         let conforming = Conforming::new(&parts, OFFSET);
         Self {
             faces: vec![FaceLight::default(); conforming.faces() as usize],
-            probe: Probe {
-                gather: refiner.gather,
-                shining: refiner.shining,
+            probe: Probe::new(
+                refiner.gather,
+                refiner.shining,
                 kind,
-                seed: refiner.gather.settings.seed,
-                rays: (RAYS / refiner.gather.settings.error.max(1e-3)) as u32,
-                shadow_rays: LEAST_SHADOW_RAYS,
-            },
+                refiner.gather.settings.seed,
+                ProbeRays {
+                    gathering: LEAST_RAYS.max((RAYS / refiner.gather.settings.error) as u32),
+                    shadow: LEAST_SHADOW_RAYS,
+                },
+            ),
             refiner,
             meshes,
             objects,

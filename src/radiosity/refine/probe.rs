@@ -9,7 +9,7 @@ use crate::radiosity::kind::Kind;
 use crate::radiosity::light::{DirectLight, Light, LightKind};
 use crate::radiosity::occlusion::NO_TRIANGLE;
 use crate::radiosity::receiver_mesh::ReceiverMesh;
-use crate::radiosity::sampling::{cosine_hemisphere, frame, hash, sobol};
+use crate::radiosity::sampling::{cosine_hemisphere, frame, hash, sobol_2d};
 use crate::radiosity::triangle::face_normal;
 
 /// Asks for the light at points.
@@ -18,15 +18,26 @@ use crate::radiosity::triangle::face_normal;
 /// that light differs from point to point by what is there and not by chance; what chance leaves is
 /// another thing in either set.
 pub(super) struct Probe<'a> {
-    pub(super) gather: &'a Gather<'a>,
-    pub(super) shining: &'a Shining<'a>,
+    gather: &'a Gather<'a>,
+    shining: &'a Shining<'a>,
     pub(super) kind: Kind,
     /// Of the two sets of rays.
-    pub(super) seed: u32,
-    /// Gathering rays of a set.
-    pub(super) rays: u32,
+    seed: u32,
+    /// Directions of the gathering rays of either set, about +Z.
+    directions: [Vec<Vec3>; 2],
     /// Shadow rays of a set to each rectangular light, and to emitters known in closed form at least.
-    pub(super) shadow_rays: u32,
+    shadow_rays: u32,
+    /// Shadow rays to other emitters, within limits.
+    few_shadow_rays: u32,
+}
+
+/// How many rays a probe sends from a point, in either set.
+#[derive(Clone, Copy)]
+pub(super) struct ProbeRays {
+    /// Gathering rays.
+    pub(super) gathering: u32,
+    /// Shadow rays to each rectangular light, and to emitters known in closed form at least.
+    pub(super) shadow: u32,
 }
 
 /// A triangle of a receiving mesh, and the side of it that light is put on.
@@ -48,6 +59,37 @@ const PROBES: u32 = 8;
 pub(super) const LEAST_SHADOW_RAYS: u32 = 8;
 
 impl<'a> Probe<'a> {
+    pub(super) fn new(
+        gather: &'a Gather<'a>,
+        shining: &'a Shining<'a>,
+        kind: Kind,
+        seed: u32,
+        rays: ProbeRays,
+    ) -> Self {
+        // Points without any sharp light look around with a few.
+        let gathering = match kind {
+            Kind::Smooth => rays.gathering,
+            Kind::Sharp => PROBES,
+        };
+        let direction = |seed: u32, ray| {
+            let [u, v] = sobol_2d(ray, seed);
+            cosine_hemisphere(u, v)
+        };
+        let set = |set| {
+            let seed = hash(seed, set);
+            (0..gathering).map(|ray| direction(seed, ray)).collect()
+        };
+        Self {
+            gather,
+            shining,
+            kind,
+            seed,
+            directions: [set(0), set(1)],
+            shadow_rays: rays.shadow,
+            few_shadow_rays: rays.gathering / 4,
+        }
+    }
+
     /// The triangle of an object's mesh; `None` if no light is put on it.
     pub(super) fn ground(
         &self,
@@ -78,16 +120,14 @@ impl<'a> Probe<'a> {
         let places: Vec<Place> = points.iter().map(|&b| ground.place(b)).collect();
         let sets = match self.kind {
             Kind::Smooth => [0, 1].map(|set| -> Vec<Option<Vec3>> {
-                let light = |place| self.gathered(ground, place, (set, self.rays), traced);
+                let light = |place| self.gathered(ground, place, set, traced);
                 places.iter().map(light).collect()
             }),
             Kind::Sharp => {
                 let sets = [0, 1].map(|set| self.sharp(ground, &places, set, traced));
                 let dark = |i: usize| sets.iter().all(|set| set[i] == Vec3::ZERO);
                 let inside: Vec<bool> = (places.iter().enumerate())
-                    .map(|(i, place)| {
-                        dark(i) && self.gathered(ground, place, (0, PROBES), traced).is_none()
-                    })
+                    .map(|(i, place)| dark(i) && self.gathered(ground, place, 0, traced).is_none())
                     .collect();
                 sets.map(|set| {
                     let known = set.into_iter().zip(&inside);
@@ -106,17 +146,16 @@ impl<'a> Probe<'a> {
         &self,
         ground: &Ground,
         place: &Place,
-        (set, rays): (u32, u32),
+        set: usize,
         traced: &mut u64,
     ) -> Option<Vec3> {
         let gather = self.gather;
         let receiver = place.receiver(ground.live);
-        let seed = hash(self.seed, set);
+        let seed = hash(self.seed, set as u32);
         let around = frame(place.shading);
         let (mut sum, mut cast, mut black) = (Vec3::ZERO, 0_u32, 0_u32);
-        for ray in 0..rays {
-            let [u, v, ..] = sobol(ray, 2, seed);
-            let direction = around * cosine_hemisphere(u, v);
+        for (ray, &direction) in (0..).zip(&self.directions[set]) {
+            let direction = around * direction;
             if direction.dot(place.geometric) <= 0.0 {
                 continue;
             }
@@ -128,11 +167,11 @@ impl<'a> Probe<'a> {
                 sum += gather.scene.sky;
                 continue;
             };
-            match gather.elements.at(&hit) {
+            match gather.elements.spot_at(&hit) {
                 None => black += u32::from(!occluders.transmits(hit.triangle)),
-                Some(element) => {
-                    let weights = gather.weights(element, &receiver, direction, &hit);
-                    sum += self.shining.of(element, weights);
+                Some(spot) => {
+                    let weights = gather.weights(spot.element(), &receiver, direction, &hit);
+                    sum += self.shining.of(spot, weights);
                 }
             }
         }
@@ -142,12 +181,12 @@ impl<'a> Probe<'a> {
     }
 
     /// What lights and sampled emitters bring to places, by one of two sets of shadow rays.
-    fn sharp(&self, ground: &Ground, places: &[Place], set: u32, traced: &mut u64) -> Vec<Vec3> {
+    fn sharp(&self, ground: &Ground, places: &[Place], set: usize, traced: &mut u64) -> Vec<Vec3> {
         let gather = self.gather;
         let receivers: Vec<(u32, Receiver)> = (places.iter())
             .map(|place| (0, place.receiver(ground.live)))
             .collect();
-        let seed = hash(self.seed, hash(set, 0x5AA9));
+        let seed = hash(self.seed, hash(set as u32, 0x5AA9));
         let mut sums = vec![Vec3::ZERO; places.len()];
         for light in &gather.scene.lights {
             if light.direct == DirectLight::Baked && shines(light) {
@@ -200,7 +239,7 @@ impl<'a> Probe<'a> {
         if from.tree.few() {
             usual.max(self.shadow_rays)
         } else {
-            (self.rays / 4).clamp(LEAST_SHADOW_RAYS, usual)
+            self.few_shadow_rays.clamp(LEAST_SHADOW_RAYS, usual)
         }
     }
 }
