@@ -81,6 +81,13 @@ impl HeightMap {
         })
     }
 
+    /// Other heights for the same texels: as many, and finite.
+    pub(super) fn with_heights(&self, heights: Vec<f32>) -> Self {
+        debug_assert_eq!(heights.len(), self.heights.len());
+        debug_assert!(heights.iter().all(|h| h.is_finite()));
+        Self { heights, ..*self }
+    }
+
     /// Width and height in texels.
     pub fn size(&self) -> [u32; 2] {
         self.size
