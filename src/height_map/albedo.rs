@@ -3,7 +3,7 @@ use super::{HeightMap, Warning};
 
 /// Share of the contrast in steps from which on they are told. Smooth relief has none, a checkerboard
 /// nothing else.
-const TOLD: f64 = 0.25;
+const TOLD: f64 = 0.45;
 
 /// Texels on either side of a step that it may be blurred over.
 const BLUR: usize = 2;

@@ -15,8 +15,8 @@ const EDGE: f32 = 3.5;
 /// image that holds more than 8 bits could have been rounded to the same numbers.
 ///
 /// A window is cut off at edges (E. Gastal and M. Oliveira, "Domain transform for edge-aware image and
-/// video processing", SIGGRAPH 2011), and in it a line is fitted instead of a mean, which would lean away
-/// from them.
+/// video processing", SIGGRAPH 2011), and in it a parabola is fitted instead of a mean, which would lean
+/// away from edges and flatten what is round.
 pub(super) fn dequantize(map: &HeightMap, bounds: &[[f32; 2]]) -> HeightMap {
     let [width, height] = map.size().map(|n| n as usize);
     let edges = |heights: &[f32], bounds: &[[f32; 2]], width: usize, wrap| -> Vec<Vec<bool>> {
@@ -61,25 +61,36 @@ fn smooth_lines(heights: &mut [f32], width: usize, links: &[Vec<bool>], decay: f
     }
 }
 
-/// Sums over the texels on one side: `Σw`, `Σwd`, `Σwd²`, `Σwh`, `Σwdh`, by the distance `d` to where they
-/// are asked for.
+/// Sums over the texels on one side, by the distance `d` to where they are asked for: `Σw dᵏ` for k of 0
+/// to 4, then `Σw dᵏ h` for 0 to 2.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sums([f64; 5]);
+struct Sums([f64; 8]);
 
 impl Sums {
-    /// The same seen from one texel further, where weights are less by `decay`.
+    /// The same seen from one texel further, where weights are less by `decay`: `(d + 1)ᵏ` for `dᵏ`.
     fn moved(self, decay: f64) -> Self {
-        let [w, d, dd, h, dh] = self.0;
-        Self([w, d + w, dd + 2.0 * d + w, h, dh + h].map(|s| decay * s))
+        let [a, b, c, d, e, h, dh, ddh] = self.0;
+        let sums = [
+            a,
+            b + a,
+            c + 2.0 * b + a,
+            d + 3.0 * (c + b) + a,
+            e + 4.0 * (d + b) + 6.0 * c + a,
+            h,
+            dh + h,
+            ddh + 2.0 * dh + h,
+        ];
+        Self(sums.map(|s| decay * s))
     }
 
-    fn with(self, height: f32) -> Self {
-        let [w, d, dd, h, dh] = self.0;
-        Self([w + 1.0, d, dd, h + f64::from(height), dh])
+    fn with(mut self, height: f32) -> Self {
+        self.0[0] += 1.0;
+        self.0[5] += f64::from(height);
+        self
     }
 }
 
-/// One line of texels through the window: at each the line that fits the heights around it best.
+/// One line of texels through the window: at each the parabola that fits the heights around it best.
 fn smooth_line(line: &[f32], links: &[bool], decay: f64) -> Vec<f32> {
     let n = line.len();
     // A line that repeats is entered early enough for what lies before it to count.
@@ -92,11 +103,11 @@ fn smooth_line(line: &[f32], links: &[bool], decay: f64) -> Vec<f32> {
         let mut all = vec![sums; n];
         for step in 0..n + early {
             let i = (step + n - early % n) % n;
-            let (here, from) = match forwards {
+            let (here, link) = match forwards {
                 true => (i, (i + n - 1) % n),
                 false => (n - 1 - i, n - 1 - i),
             };
-            sums = match links[from] {
+            sums = match links[link] {
                 true => sums.moved(decay),
                 false => Sums::default(),
             };
@@ -109,20 +120,29 @@ fn smooth_line(line: &[f32], links: &[bool], decay: f64) -> Vec<f32> {
     (0..n).map(|i| fit(before[i], behind[i], line[i])).collect()
 }
 
-/// Height at a texel of the line through itself and both sides.
+/// Height at a texel of the parabola through itself and both sides, by polynomials `1`, `p₁ = d − m` and
+/// `p₂ = d² − a p₁ − s₂` that are orthogonal under the weights. Where there are too few texels for one, it is
+/// left out.
 fn fit(before: Sums, behind: Sums, here: f32) -> f32 {
-    let [w, d, dd, h, dh] = std::array::from_fn(|k| {
-        // Distances to one side are negative.
-        let sign = if k == 1 || k == 4 { -1.0 } else { 1.0 };
-        behind.0[k] + sign * before.0[k]
+    let both = before.0.iter().zip(behind.with(here).0).enumerate();
+    // Distances to one side are negative.
+    let both = both.map(|(k, (before, behind))| match k {
+        1 | 3 | 6 => behind - before,
+        _ => behind + before,
     });
-    let (w, h) = (w + 1.0, h + f64::from(here));
-    let (m, mean) = (d / w, h / w);
-    let v = dd / w - m * m;
-    let slope = if v > 1e-9 {
-        (dh / w - m * mean) / v
-    } else {
-        0.0
-    };
-    (mean - m * slope) as f32
+    let mut sums = [0.0; 8];
+    sums.iter_mut().zip(both).for_each(|(s, b)| *s = b);
+    let [_, m, s2, s3, s4, mean, dh, ddh] = sums.map(|s| s / sums[0]);
+    let mut height = mean;
+    let v = s2 - m * m;
+    if v > 1e-6 {
+        let h1 = dh - m * mean;
+        height -= m * h1 / v;
+        let c = s3 - m * s2;
+        let q = s4 - c * c / v - s2 * s2;
+        if q > 1e-6 * v * v {
+            height += (c / v * m - s2) * (ddh - c / v * h1 - s2 * mean) / q;
+        }
+    }
+    height as f32
 }

@@ -44,14 +44,20 @@
 //! | `low_pass` | what of a map is broader than a window |
 //! | `contrast` | inversion and stretch |
 //! | `highlights`, `albedo`, `border` | what looks like relief and is none |
+//! | `components` | groups of texels that hang together |
 //! | `warning` | what is told about it |
 //! | `slopes` | derivative maps and normal maps |
 
 mod albedo;
+#[cfg(test)]
+mod albedo_test;
 mod border;
+mod components;
 mod contrast;
 mod dequantize;
 mod highlights;
+#[cfg(test)]
+mod highlights_test;
 mod kernel;
 #[cfg(test)]
 mod kernel_test;
@@ -59,6 +65,8 @@ mod low_pass;
 mod map;
 mod photo;
 mod prepare;
+#[cfg(test)]
+mod prepare_test;
 mod raster;
 mod slopes;
 #[cfg(test)]

@@ -12,10 +12,10 @@ use super::{HeightMap, Photo, Precision, Raster, RasterError, Warning, Wrap};
 const CLIPPED: f64 = 0.005;
 
 /// What is done to an image on its way to a height map.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrepareSettings {
     /// How the map is to go on beyond its border: whatever looks at neighbours goes on there in the same
-    /// way.
+    /// way. Most photos do not tile.
     pub wrap: [Wrap; 2],
     /// Whether the steps of 8-bit images are taken off. Nothing moves by more than half of one; finer
     /// images stay as they are.
@@ -29,6 +29,20 @@ pub struct PrepareSettings {
     pub invert: bool,
     /// How heights are brought to 0..1.
     pub stretch: Stretch,
+}
+
+impl Default for PrepareSettings {
+    /// Nothing but stretched contrast, for an image that does not tile.
+    fn default() -> Self {
+        Self {
+            wrap: [Wrap::Clamp; 2],
+            dequantize: false,
+            flatten: None,
+            smooth: None,
+            invert: false,
+            stretch: Stretch::Full,
+        }
+    }
 }
 
 /// Settings that mean nothing.
