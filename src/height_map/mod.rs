@@ -55,6 +55,8 @@ mod border;
 mod components;
 mod contrast;
 mod dequantize;
+#[cfg(test)]
+mod dequantize_test;
 mod highlights;
 #[cfg(test)]
 mod highlights_test;

@@ -1,13 +1,8 @@
-//! The whole way from an image to a map: bump tests 10, 16, 17 and 18.
+//! The whole way from an image to a map: bump tests 16, 17 and 18.
 
-use super::test_photos::{Shot, bumps, map, noise, srgb, waves};
+use super::test_photos::{Shot, bumps, grey8, map, noise, srgb, waves};
 use super::*;
 use std::f32::consts::TAU;
-
-fn grey8(size: [u32; 2], value: impl Fn(u32, u32) -> u8) -> Raster {
-    let texels = (0..size[0] * size[1]).map(|i| value(i % size[0], i / size[0]));
-    Raster::new(size, Texels::Grey8(texels.collect())).unwrap()
-}
 
 fn ends(map: &HeightMap) -> [f32; 2] {
     let heights = map.heights().iter().copied();
@@ -15,136 +10,6 @@ fn ends(map: &HeightMap) -> [f32; 2] {
         heights.clone().fold(f32::INFINITY, f32::min),
         heights.fold(f32::NEG_INFINITY, f32::max),
     ]
-}
-
-/// Root mean square angle in degrees between the normals of a map and those of slopes in the unit that
-/// `scale` makes of a step of height by texel; texels near the border are left out.
-fn normal_noise(map: &HeightMap, kernel: Kernel, scale: f32, slopes: impl Fn(f32) -> f32) -> f64 {
-    let [w, h] = map.size();
-    let found = derivative_map(map, kernel);
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (i, slope) in found.iter().enumerate() {
-        let (x, y) = (i as u32 % w, i as u32 / w);
-        if x < 4 || x + 4 >= w || y < 4 || y + 4 >= h {
-            continue;
-        }
-        let normal = |x: f32, y: f32| glam::Vec3::new(-x, -y, 1.0).normalize();
-        let found = normal(scale * slope.x / w as f32, scale * slope.y / h as f32);
-        let off = found
-            .angle_between(normal(slopes(x as f32), 0.0))
-            .to_degrees();
-        sum += f64::from(off).powi(2);
-        count += 1.0;
-    }
-    (sum / count).sqrt()
-}
-
-/// Nothing but dequantisation.
-fn dequantize() -> PrepareSettings {
-    PrepareSettings {
-        dequantize: true,
-        stretch: Stretch::AsIs,
-        ..PrepareSettings::default()
-    }
-}
-
-/// Bump test 10: a ramp of a step of 8 bits in 20 texels, a step being a tenth of a texel high.
-#[test]
-fn steps_of_eight_bits_become_a_slope() {
-    let ramp = grey8([320, 24], |x, _| (100.0 + x as f32 / 20.0).round() as u8);
-    // 25.5 texels from 0 to 1.
-    let noise = |settings, kernel| {
-        let map = prepare_data(&ramp, &settings).unwrap().map;
-        normal_noise(&map, kernel, 25.5, |_| 0.1 / 20.0)
-    };
-    let raw = PrepareSettings {
-        dequantize: false,
-        ..dequantize()
-    };
-    for kernel in [Kernel::CatmullRom, Kernel::BSpline] {
-        let (before, after) = (noise(raw, kernel), noise(dequantize(), kernel));
-        println!("{kernel:?}: {before:.3}° before, {after:.4}° after");
-        assert!(after < 0.03, "{kernel:?}: {after}°");
-        assert!(before > 0.8, "{kernel:?}: {before}°");
-    }
-}
-
-/// The research table's wave: 512 texels long, 64 texels high, in 8 bits.
-#[test]
-fn steps_of_eight_bits_come_off_a_wave() {
-    for (height, most) in [(8.0, 0.1), (32.0, 0.4), (64.0, 0.8)] {
-        let wave = |x: f32| 0.5 + 0.5 * (TAU * x / 512.0).sin();
-        let image = grey8([512, 16], |x, _| (255.0 * wave(x as f32)).round() as u8);
-        let slope = |x: f32| height * 0.5 * TAU / 512.0 * (TAU * x / 512.0).cos();
-        let noise = |on| {
-            let settings = PrepareSettings {
-                wrap: [Wrap::Repeat; 2],
-                dequantize: on,
-                ..dequantize()
-            };
-            let map = prepare_data(&image, &settings).unwrap().map;
-            normal_noise(&map, Kernel::BSpline, height, slope)
-        };
-        let (before, after) = (noise(false), noise(true));
-        println!("{height} texels high: {before:.3}° before, {after:.4}° after");
-        assert!(
-            after < most && after < 0.3 * before,
-            "{before}° to {after}°"
-        );
-    }
-}
-
-/// Nothing moves by more than half a step, so rounding gives the image back; edges stay where they are.
-#[test]
-fn dequantised_heights_round_to_the_image() {
-    let images = [
-        grey8([64, 48], |x, y| (255.0 * noise(x, y, 1)) as u8),
-        grey8([64, 48], |x, y| {
-            (90.0 + 30.0 * (x as f32 / 9.0).sin() + y as f32 / 7.0) as u8
-        }),
-        grey8([64, 48], |x, _| if x < 32 { 40 } else { 200 }),
-        grey8([1, 1], |_, _| 7),
-        grey8([2, 1], |x, _| 255 * x as u8),
-    ];
-    for (image, wrap) in images
-        .iter()
-        .flat_map(|i| [(i, Wrap::Clamp), (i, Wrap::Repeat)])
-    {
-        let settings = PrepareSettings {
-            wrap: [wrap; 2],
-            ..dequantize()
-        };
-        let prepared = prepare_data(image, &settings).unwrap();
-        let before = image.one_channel(0.0).unwrap();
-        for (before, after) in before.iter().zip(prepared.map.heights()) {
-            assert!(
-                (before - after).abs() <= 0.5 / 255.0 + 1e-6,
-                "{before} {after}"
-            );
-        }
-        assert_eq!(
-            prepared.warnings.iter().find(|w| **w == Warning::EightBits),
-            None
-        );
-    }
-    let edge = prepare_data(&images[2], &dequantize()).unwrap().map;
-    assert_eq!(edge.heights(), images[2].one_channel(0.0).unwrap());
-}
-
-/// Bump test 10: 16 bits are as good as floating point, and nothing is dequantised there.
-#[test]
-fn sixteen_bits_are_floating_point() {
-    let height = |i: u32| 0.5 + 0.4 * (TAU * (i % 64) as f32 / 64.0).sin() * (i / 64) as f32 / 64.0;
-    let fine = (0..64 * 64).map(|i| (65_535.0 * height(i)).round() as u16);
-    let fine = Raster::new([64; 2], Texels::Grey16(fine.collect())).unwrap();
-    let float = Raster::new([64; 2], Texels::GreyF32((0..64 * 64).map(height).collect())).unwrap();
-    let [fine, float] = [fine, float].map(|r| prepare_data(&r, &dequantize()).unwrap());
-    for (a, b) in fine.map.heights().iter().zip(float.map.heights()) {
-        assert!((a - b).abs() < 1e-5);
-    }
-    for (i, b) in (0..).zip(float.map.heights()) {
-        assert_eq!(*b, height(i));
-    }
 }
 
 /// Bump test 16: heights are not decoded, whatever their depth and channels; light is.

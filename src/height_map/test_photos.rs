@@ -112,3 +112,9 @@ pub(super) fn bricks(x: f32, y: f32) -> f32 {
     let t = ((from_edge - 2.0) / 6.0).clamp(0.0, 1.0);
     4.0 * t * t * (3.0 - 2.0 * t)
 }
+
+/// An image of 8 bits and one channel by column and row.
+pub(super) fn grey8(size: [u32; 2], value: impl Fn(u32, u32) -> u8) -> Raster {
+    let texels = (0..size[0] * size[1]).map(|i| value(i % size[0], i / size[0]));
+    Raster::new(size, Texels::Grey8(texels.collect())).unwrap()
+}
