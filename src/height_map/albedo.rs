@@ -30,46 +30,83 @@ const LOWEST_CHROMATICITY: f64 = 0.03;
 /// ```
 ///
 /// What counts is the squared difference of neighbours where there are steps, by that of all neighbours.
-/// Relief with large flat facets looks the same in a photo, and is told too.
-pub(super) fn albedo_edges(luminance: &HeightMap, colours: Option<&[[f32; 3]]>) -> Option<Warning> {
+/// Relief with large flat facets looks the same in a photo, and is told too. Neighbourhoods with `highlights`,
+/// which are told by themselves, do not count.
+pub(super) fn albedo_edges(
+    luminance: &HeightMap,
+    colours: Option<&[[f32; 3]]>,
+    highlights: Option<&[bool]>,
+) -> Option<Warning> {
     let size = luminance.size().map(|n| n as usize);
     let window = (size[0].min(size[1]) / 64).clamp(4, 24);
     let signals = signals(luminance, colours);
-    let (mut all, mut steps) = (0.0, 0.0);
-    let mut sharpest = (0.0, [0; 2]);
+    let glossy: Option<Vec<f32>> =
+        highlights.map(|mask| mask.iter().map(|&m| f32::from(m)).collect());
+    let mut found = Found::default();
     for axis in 0..2 {
-        let length = size[axis];
-        let lines: Vec<_> = match axis {
-            0 => signals.clone(),
-            _ => (signals.iter())
-                .map(|(values, lowest)| (transposed(values, size), *lowest))
-                .collect(),
+        let turned = |values: &Vec<f32>| match axis {
+            0 => values.clone(),
+            _ => transposed(values, size),
         };
+        let signals = signals.iter().map(|(v, lowest)| (turned(v), *lowest));
+        let signals: Vec<_> = signals.collect();
+        let glossy = glossy.as_ref().map(turned);
         for line in 0..size[1 - axis] {
-            let parts: Vec<_> = lines
+            let part = line * size[axis]..(line + 1) * size[axis];
+            let signals = signals
                 .iter()
-                .map(|(v, lowest)| (Line::new(&v[line * length..][..length]), *lowest))
-                .collect();
-            for i in window + BLUR..length.saturating_sub(window + BLUR + 1) {
-                let light = &parts[0].0;
-                let squared = light.difference(i).powi(2);
-                all += squared;
-                let step = |(line, lowest): &(Line, f64)| line.has_step(i, window, *lowest);
-                if squared > 0.0 && parts.iter().any(step) {
-                    steps += squared;
-                    if squared > sharpest.0 {
-                        let place = [i as u32, line as u32];
-                        sharpest = (squared, [place[axis], place[1 - axis]]);
-                    }
+                .map(|(v, lowest)| (Line::new(&v[part.clone()]), *lowest));
+            let signals: Vec<_> = signals.collect();
+            let glossy = glossy.as_ref().map(|g| Line::new(&g[part.clone()]));
+            found.add(&signals, glossy.as_ref(), window, [axis, line]);
+        }
+    }
+    let share = found.steps / found.all.max(f64::MIN_POSITIVE);
+    (share > TOLD).then_some(Warning::AlbedoEdges {
+        share,
+        at: found.at,
+    })
+}
+
+/// Squared differences of neighbours: all, those in steps, and where the largest of these is.
+#[derive(Default)]
+struct Found {
+    all: f64,
+    steps: f64,
+    sharpest: f64,
+    at: [u32; 2],
+}
+
+impl Found {
+    /// Adds a line of the photo, along `axis`, the first of `signals` being its luminance.
+    fn add(
+        &mut self,
+        signals: &[(Line<'_>, f64)],
+        glossy: Option<&Line<'_>>,
+        window: usize,
+        [axis, line]: [usize; 2],
+    ) {
+        let [(luminance, _), ..] = signals else {
+            return;
+        };
+        let reach = window + BLUR;
+        let is_matte =
+            |&i: &usize| glossy.is_none_or(|g| g.even(i + 1 - reach, 2 * reach)[0] == 0.0);
+        let length = luminance.values.len();
+        for i in (reach..length.saturating_sub(reach + 1)).filter(is_matte) {
+            let squared = luminance.difference(i).powi(2);
+            self.all += squared;
+            let step = |(line, lowest): &(Line<'_>, f64)| line.has_step(i, window, *lowest);
+            if squared > 0.0 && signals.iter().any(step) {
+                self.steps += squared;
+                if squared > self.sharpest {
+                    self.sharpest = squared;
+                    let place = [i as u32, line as u32];
+                    self.at = [place[axis], place[1 - axis]];
                 }
             }
         }
     }
-    let share = if all > 0.0 { steps / all } else { 0.0 };
-    (share > TOLD).then_some(Warning::AlbedoEdges {
-        share,
-        at: sharpest.1,
-    })
 }
 
 /// Luminance and, if there is colour, chromaticities, each with the lowest step that counts.

@@ -23,7 +23,7 @@ fn edges(relief: Height, albedo: Albedo, lamp: Vec3) -> Option<Warning> {
 
 fn edges_of(photo: &Photo) -> Option<Warning> {
     let grey = HeightMap::new(photo.size(), photo.luminance(), [Wrap::Clamp; 2]).unwrap();
-    albedo_edges(&grey, Some(&photo.linear()))
+    albedo_edges(&grey, Some(&photo.linear()), None)
 }
 
 fn checker(x: u32, y: u32, side: u32) -> f32 {
@@ -51,10 +51,9 @@ fn colours_are_told() {
     ];
     for (name, albedo) in painted {
         for lamp in LAMPS {
-            let Some(Warning::AlbedoEdges { share, at }) = edges(|_, _| 0.0, albedo, lamp) else {
+            let Some(Warning::AlbedoEdges { share, .. }) = edges(|_, _| 0.0, albedo, lamp) else {
                 panic!("{name} is not told");
             };
-            println!("{name}: {share:.3} at {at:?}");
             assert!((0.45..=1.0).contains(&share), "{name}: {share}");
         }
     }
@@ -85,7 +84,7 @@ fn colours_of_like_brightness_are_told_by_their_colour() {
     let raster = Raster::new([256; 2], Texels::RgbF32(texels.collect())).unwrap();
     let photo = Photo::new(raster, Encoding::Linear);
     let grey = HeightMap::new(photo.size(), photo.luminance(), [Wrap::Clamp; 2]).unwrap();
-    assert_eq!(albedo_edges(&grey, None), None);
+    assert_eq!(albedo_edges(&grey, None, None), None);
     let found = edges_of(&photo);
     assert!(
         matches!(found, Some(Warning::AlbedoEdges { share, .. }) if share > 0.45),
@@ -110,9 +109,30 @@ fn relief_of_one_colour_is_not_told() {
 }
 
 #[test]
+fn highlights_do_not_count() {
+    let shot = Shot {
+        albedo: |x, y| [0.2 + 0.4 * checker(x, y, 32); 3],
+        ..Shot::default()
+    };
+    let (photo, _) = shot.take();
+    let grey = HeightMap::new(photo.size(), photo.luminance(), [Wrap::Clamp; 2]).unwrap();
+    let all = vec![true; 256 * 256];
+    assert_eq!(albedo_edges(&grey, None, Some(&all)), None);
+    // One texel hides its neighbourhood and no more.
+    let sharpest = |mask: &[bool]| match albedo_edges(&grey, None, Some(mask)) {
+        Some(Warning::AlbedoEdges { at, .. }) => at,
+        other => panic!("{other:?}"),
+    };
+    let mut one = vec![false; 256 * 256];
+    assert_eq!(sharpest(&one), [31, 0]);
+    one[28] = true;
+    assert_eq!(sharpest(&one), [63, 0]);
+}
+
+#[test]
 fn small_images_have_no_sides_to_compare() {
     for size in [[1, 1], [7, 3], [9, 200]] {
         let map = super::test_photos::map(size, Wrap::Clamp, |x, y| x + y);
-        assert_eq!(albedo_edges(&map, None), None);
+        assert_eq!(albedo_edges(&map, None, None), None);
     }
 }

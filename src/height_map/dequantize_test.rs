@@ -1,5 +1,7 @@
 //! Bump test 10: what 8 bits leave of a relief, and what dequantisation makes of it.
 
+#![expect(clippy::print_stdout, reason = "figures of docs/height_maps.md")]
+
 use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};

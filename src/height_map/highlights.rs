@@ -22,6 +22,10 @@ const TOLD: f64 = 0.001;
 /// spot loses in the two texels across a sharp border.
 const SHARP: f32 = 0.55;
 
+/// Luminance at the end of what a camera tells apart: little that is painted is as bright, so a spot with a
+/// tenth of its texels up there may be sharp.
+const DAZZLING: f32 = 0.97;
+
 /// Photos of less saturation count as grey.
 const COLOURED: f32 = 0.25;
 
@@ -64,7 +68,7 @@ pub(super) fn highlights(
     spots.retain(|spot| {
         spot.len() >= SMALLEST
             && spot.iter().any(|&i| brightness[i] > fence)
-            && !is_painted(luminance, &matte, &glossy, spot)
+            && (is_dazzling(luminance, spot) || !is_painted(luminance, &matte, &glossy, spot))
     });
     let largest = spots.iter().max_by_key(|spot| spot.len())?;
     let mut mask = vec![false; glossy.len()];
@@ -146,6 +150,12 @@ fn matte_level(luminance: &HeightMap) -> Vec<f32> {
         row(v0) + t * (row(v1) - row(v0))
     };
     (0..width * height).map(level).collect()
+}
+
+fn is_dazzling(luminance: &HeightMap, spot: &[usize]) -> bool {
+    let light = luminance.heights();
+    let dazzling = spot.iter().filter(|&&i| light[i] > DAZZLING).count();
+    10 * dazzling > spot.len()
 }
 
 /// Whether a spot begins at a sharp border: whether light falls off there at once, beside what it is some

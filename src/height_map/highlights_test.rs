@@ -1,5 +1,7 @@
 //! Bump test 18: photos of made-up surfaces with gloss, whose highlights are known.
 
+#![expect(clippy::print_stdout, reason = "figures of docs/height_maps.md")]
+
 use super::highlights::highlights;
 use super::test_photos::{Shot, bricks, bumps, noise, waves};
 use super::{HeightMap, Photo, Warning, Wrap};

@@ -90,7 +90,8 @@ pub fn prepare(photo: &Photo, settings: &PrepareSettings) -> Result<Prepared, Pr
     let mut warnings = warnings_of(photo.raster(), settings);
     let highlights = highlights(&grey, colours.as_deref());
     warnings.extend(highlights.as_ref().map(|found| found.warning));
-    warnings.extend(albedo_edges(&grey, colours.as_deref()));
+    let mask = highlights.as_ref().map(|found| found.mask.as_slice());
+    warnings.extend(albedo_edges(&grey, colours.as_deref(), mask));
 
     let map = smooth_out(grey, bounds.as_deref(), settings);
     let map = match settings.flatten {

@@ -1,5 +1,7 @@
 //! The whole way from an image to a map: bump tests 16, 17 and 18.
 
+#![expect(clippy::print_stdout, reason = "figures beside their limits")]
+
 use super::test_photos::{Shot, bumps, grey8, map, noise, srgb, waves};
 use super::*;
 use std::f32::consts::TAU;

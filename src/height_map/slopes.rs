@@ -59,8 +59,8 @@ pub fn normal_map(map: &HeightMap, settings: &NormalMapSettings) -> Vec<Vec3> {
         .collect()
 }
 
-/// A normal as three 8-bit channels: −1 is 0 or, where that has no whole number, as near as 1/255 allows.
-/// Angles are off by up to 0.4°.
+/// A normal as three 8-bit channels, −1 being 0 and 1 being 255; 0 has no number of its own and becomes
+/// 128. Angles are off by up to 0.4°.
 pub fn encode_normal(normal: Vec3) -> [u8; 3] {
     (127.5 * normal + 127.5).to_array().map(|c| c.round() as u8)
 }
