@@ -61,8 +61,8 @@
 //! | module | what it does | feature |
 //! |---|---|---|
 //! | [`radiosity`] | scene, elements, form factors, solver, vertex light; no engine in it | always |
-//! | [`mesh`] | refinement that keeps shared edges together, position classes | always |
-//! | [`height_map`] | heights and slopes of grey images, between texels | always |
+//! | [`mesh`] | refinement that keeps shared edges together, position classes, texture coordinates | always |
+//! | [`height_map`] | height maps from photos; heights and slopes between their texels | always |
 //! | [`bump`] | normals of a surface raised by a height map, in plain Rust | always |
 #![cfg_attr(
     feature = "gltf",

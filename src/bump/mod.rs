@@ -56,6 +56,8 @@ mod blinn;
 mod gradient;
 #[cfg(test)]
 mod gradient_test;
+#[cfg(test)]
+mod normal_map_test;
 
 pub use blinn::blinn_normal;
 pub use gradient::{

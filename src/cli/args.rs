@@ -3,10 +3,11 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 
+use super::height::HeightArgs;
 use super::method::MethodArgs;
 use crate::radiosity::{BakeSettings, DirectLight};
 
-/// Bakes the diffuse light of glTF scenes into their vertices.
+/// Bakes the diffuse light of glTF scenes into their vertices, and makes height maps from photos.
 ///
 /// A .glb or .gltf file with lights (point, spot, sun, emissive materials) goes in. It comes back
 /// as a .glb in which every vertex carries the light it receives: direct light with shadows, and
@@ -25,9 +26,11 @@ Examples:
   fresco bake room.glb --max-edge 0.5 --preset final --vertex-colors -o lit.glb
       Splits edges longer than half a metre, bakes at shipping quality, and stores
       the light as vertex colours that any viewer shows.
+  fresco height wall.jpg --preview wall.png
+      Makes the height map wall.height.png from a photo and shows both, with the relief lit.
 
 `fresco info room.glb` says what a file holds and what a bake of it would take.
-`fresco bake --help` explains every option.";
+`fresco bake --help` and `fresco height --help` explain every option.";
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
@@ -36,6 +39,9 @@ pub(super) enum Command {
     Bake(Box<BakeArgs>),
     /// Say what a scene holds and what a bake would take.
     Info(Box<InfoArgs>),
+    /// Make a height map from a photo, or maps of slopes and normals from a height map.
+    #[command(after_help = super::height::EXAMPLES)]
+    Height(Box<HeightArgs>),
 }
 
 #[derive(Debug, Args)]
@@ -238,7 +244,7 @@ fn number(text: &str) -> Result<f32, String> {
     }
 }
 
-fn within(text: &str, fits: impl Fn(f32) -> bool, limits: &str) -> Result<f32, String> {
+pub(super) fn within(text: &str, fits: impl Fn(f32) -> bool, limits: &str) -> Result<f32, String> {
     let value = number(text)?;
     if fits(value) {
         Ok(value)
@@ -247,7 +253,7 @@ fn within(text: &str, fits: impl Fn(f32) -> bool, limits: &str) -> Result<f32, S
     }
 }
 
-fn positive(text: &str) -> Result<f32, String> {
+pub(super) fn positive(text: &str) -> Result<f32, String> {
     within(text, |v| v > 0.0, "above 0")
 }
 

@@ -1,4 +1,4 @@
-//! The command line: `fresco bake` and `fresco info`.
+//! The command line: `fresco bake`, `fresco info` and `fresco height`.
 //!
 //! ```text
 //!   args ─► load ─► validate ─► memory ─► bake ─► export, picture, report ─► write all ─► summary
@@ -10,6 +10,7 @@
 mod args;
 mod bake;
 mod failure;
+mod height;
 mod info;
 mod memory;
 mod method;
@@ -75,6 +76,7 @@ pub fn run_in(
         .and_then(|cli| match cli.command {
             Command::Bake(args) => bake::bake_command(session, &args, out),
             Command::Info(args) => info::info_command(session, &args, out),
+            Command::Height(args) => height::height_command(session, &args, out),
         });
     match result {
         Ok(()) => ExitCode::SUCCESS,

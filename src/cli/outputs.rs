@@ -20,22 +20,12 @@ impl Outputs {
             preview: args.results.preview.clone(),
             report: args.results.report.clone(),
         };
-        extension(&outputs.glb, "glb", "the result is binary glTF")?;
+        extension(&outputs.glb, &["glb"], "the result is binary glTF")?;
         if let Some(preview) = &outputs.preview {
-            extension(preview, "png", "the preview is a PNG image")?;
+            extension(preview, &["png"], "the preview is a PNG image")?;
         }
-        for path in outputs.all() {
-            writable(path)?;
-        }
+        all_writable(&outputs.all().collect::<Vec<_>>())?;
         outputs.spare(std::slice::from_ref(&args.scene))?;
-        for (i, path) in outputs.all().enumerate() {
-            if outputs.all().skip(i + 1).any(|other| same(path, other)) {
-                return Err(Failure::Error(format!(
-                    "two results would go to {}: give them different names",
-                    path.display()
-                )));
-            }
-        }
         Ok(outputs)
     }
 
@@ -61,16 +51,33 @@ impl Outputs {
     }
 }
 
-fn extension(path: &Path, wanted: &str, what: &str) -> Result<(), Failure> {
+/// An error unless the name ends in one of the extensions; `what` says why it has to.
+pub(super) fn extension(path: &Path, wanted: &[&str], what: &str) -> Result<(), Failure> {
     let found = path.extension().unwrap_or_default();
+    let fits = wanted.iter().any(|w| found.eq_ignore_ascii_case(w));
     // A device has no extension: /dev/null is a fine place for a result nobody wants.
-    if found.eq_ignore_ascii_case(wanted) || (path.exists() && !path.is_file()) {
+    if fits || (path.exists() && !path.is_file()) {
         return Ok(());
     }
     Err(Failure::Error(format!(
-        "{}: {what}, let its name end in .{wanted}",
-        path.display()
+        "{}: {what}, let its name end in .{}",
+        path.display(),
+        wanted.join(" or .")
     )))
+}
+
+/// An error if a result cannot be written, or if two would go to one file.
+pub(super) fn all_writable(paths: &[&Path]) -> Result<(), Failure> {
+    for (i, path) in paths.iter().enumerate() {
+        writable(path)?;
+        if paths[i + 1..].iter().any(|other| same(path, other)) {
+            return Err(Failure::Error(format!(
+                "two results would go to {}: give them different names",
+                path.display()
+            )));
+        }
+    }
+    Ok(())
 }
 
 fn writable(path: &Path) -> Result<(), Failure> {
@@ -99,7 +106,7 @@ fn folder(path: &Path) -> &Path {
 }
 
 /// Whether two paths lead to one file, which need not exist yet.
-fn same(a: &Path, b: &Path) -> bool {
+pub(super) fn same(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| -> Option<PathBuf> {
         if let Ok(real) = fs::canonicalize(path) {
             return Some(real);

@@ -120,6 +120,11 @@ impl HeightMap {
             (texel.floor() as i64, (texel - texel.floor()) as f32)
         };
         let ((x, s), (y, t)) = (place(uv.x, width), place(uv.y, height));
+        self.between([x, y], [s, t], kernel)
+    }
+
+    /// Height and slopes at `[s, t]` (0..1) from the centre of texel `[x, y]` to that of the next.
+    pub(super) fn between(&self, [x, y]: [i64; 2], [s, t]: [f32; 2], kernel: Kernel) -> Relief {
         let [across, across_slope] = kernel.weights(s);
         let [down, down_slope] = kernel.weights(t);
         let mut relief = Relief::default();
@@ -131,6 +136,7 @@ impl HeightMap {
             relief.slopes.x += down[row] * sum(across_slope);
             relief.slopes.y += down_slope[row] * sum(across);
         }
+        let [width, height] = self.size();
         relief.slopes *= Vec2::new(width as f32, height as f32);
         relief
     }

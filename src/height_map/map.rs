@@ -81,6 +81,13 @@ impl HeightMap {
         })
     }
 
+    /// Other heights for the same texels: as many, and finite.
+    pub(super) fn with_heights(&self, heights: Vec<f32>) -> Self {
+        debug_assert_eq!(heights.len(), self.heights.len());
+        debug_assert!(heights.iter().all(|h| h.is_finite()));
+        Self { heights, ..*self }
+    }
+
     /// Width and height in texels.
     pub fn size(&self) -> [u32; 2] {
         self.size
@@ -98,8 +105,13 @@ impl HeightMap {
 
     /// Height of a texel, wherever it is.
     pub fn texel(&self, x: i64, y: i64) -> f32 {
+        self.heights[self.index(x, y)]
+    }
+
+    /// Where in [`heights`](Self::heights) a texel is, wherever it is.
+    pub(super) fn index(&self, x: i64, y: i64) -> usize {
         let [x, y] = [self.inside(0, x), self.inside(1, y)];
-        self.heights[y * self.size[0] as usize + x]
+        y * self.size[0] as usize + x
     }
 
     /// Where a texel beyond the border is taken from.

@@ -17,15 +17,71 @@
 //! relief moves by half of ε. Kernels that are smooth themselves have neither: their slope is the slope
 //! of a curve through the texels ([`Kernel::CatmullRom`]) or past them ([`Kernel::BSpline`]).
 //!
+//! # From an image to a map
+//!
+//! Whoever has no map has a photo. Nothing of it is height: it is light, and becomes height by a guess that
+//! is better the more even the light and the colour are (bright is high). [`prepare`] makes the map and
+//! tells what spoils the guess:
+//!
+//! ```text
+//!   Raster ── Photo ─ luminance ─ dequantize ─ smooth ─ ÷ shading ─┐
+//!      │        └─ highlights, albedo edges ─► warnings            ├─ invert ─ stretch ─► HeightMap
+//!      └───── prepare_data ────── dequantize ─ smooth ─ − waves ───┘                     │
+//!                                                               derivative map, normal map ◄┘
+//! ```
+//!
+//! A [`Raster`] is numbers. Only a [`Photo`] says what light they stand for, and only its numbers are
+//! decoded; heights are taken as they are. So an sRGB curve never gets into heights by mistake.
+//!
 //! | file | what it does |
 //! |---|---|
 //! | `map` | the map: texels, how it goes on beyond its border, errors |
 //! | `kernel` | heights and slopes between texels |
+//! | `raster` | the numbers of an image |
+//! | `photo` | what they say of light; greyscale |
+//! | `prepare` | from an image to a map, in the order of the picture |
+//! | `dequantize` | takes the steps of 8 bits off |
+//! | `low_pass` | what of a map is broader than a window |
+//! | `contrast` | inversion and stretch |
+//! | `highlights`, `albedo`, `border` | what looks like relief and is none |
+//! | `components` | groups of texels that hang together |
+//! | `warning` | what is told about it |
+//! | `slopes` | derivative maps and normal maps |
 
+mod albedo;
+#[cfg(test)]
+mod albedo_test;
+mod border;
+mod components;
+mod contrast;
+mod dequantize;
+#[cfg(test)]
+mod dequantize_test;
+mod highlights;
+#[cfg(test)]
+mod highlights_test;
 mod kernel;
 #[cfg(test)]
 mod kernel_test;
+mod low_pass;
 mod map;
+mod photo;
+mod prepare;
+#[cfg(test)]
+mod prepare_test;
+mod raster;
+mod slopes;
+#[cfg(test)]
+mod test_photos;
+mod warning;
 
+pub use contrast::Stretch;
 pub use kernel::{Kernel, Relief};
 pub use map::{HeightMap, HeightMapError, Wrap};
+pub use photo::{Encoding, Photo};
+pub use prepare::{PrepareError, PrepareSettings, Prepared, prepare, prepare_data};
+pub use raster::{Precision, Raster, RasterError, Texels};
+pub use slopes::{
+    Green, NormalMapSettings, decode_normal, derivative_map, encode_normal, normal_map,
+};
+pub use warning::Warning;

@@ -61,6 +61,9 @@
 //! [`RefinedMesh::then`] makes one refinement of the two. [`PositionClasses`] finds the vertices
 //! that are one point of the surface.
 //!
+//! [`project_uvs`] lays texture coordinates on meshes that have none, for textures and height maps to have a
+//! place.
+//!
 //! Nothing here knows about materials, light or files.
 
 mod conforming;
@@ -72,6 +75,9 @@ mod refined;
 mod split;
 #[cfg(test)]
 pub(crate) mod test_meshes;
+mod uv_projection;
+#[cfg(test)]
+mod uv_projection_test;
 mod weld;
 
 pub use conforming::{Bisected, Bisection, Conforming, Limits};
@@ -80,4 +86,5 @@ pub use flat::split_flat_corners;
 pub use part::{Origin, Part, Refined};
 pub use refined::{RefinedMesh, SurfacePoint};
 pub use split::{SplitError, fewest_vertices, split_long_edges};
+pub use uv_projection::{UvError, UvMesh, UvProjection, UvSettings, project_uvs};
 pub use weld::PositionClasses;
