@@ -255,3 +255,34 @@ fn the_cornell_box_answers_to_bumps() {
         assert!(answered <= ignored / 3.0, "{degrees}");
     }
 }
+
+/// Gradients are the same bytes for any number of threads, and light is the same with and without them.
+#[test]
+fn nothing_depends_on_threads_and_light_not_on_gradients() {
+    let file = load(Path::new("assets/scenes/cornell_box.glb")).unwrap();
+    let scene = file.scene.validate().unwrap();
+    let baked = |threads: usize, directional: bool| {
+        let settings = BakeSettings {
+            directional,
+            error: 0.2,
+            ..BakeSettings::DRAFT
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.unwrap()
+            .install(|| bake(&scene, &settings, &()).unwrap().objects)
+    };
+    let (one, three, without) = (baked(1, true), baked(3, true), baked(2, false));
+    let bits = |values: &[Vec3]| -> Vec<[u32; 3]> {
+        values
+            .iter()
+            .map(|v| v.to_array().map(f32::to_bits))
+            .collect()
+    };
+    for ((one, three), without) in one.iter().zip(&three).zip(&without) {
+        assert_eq!(one.gradient.len(), one.light.len());
+        assert!(one.gradient.iter().all(|g| g.is_finite()));
+        assert_eq!(bits(&one.gradient), bits(&three.gradient));
+        assert_eq!(bits(&one.light), bits(&without.light));
+        assert!(without.gradient.is_empty());
+    }
+}

@@ -88,6 +88,8 @@ mod form_factor;
 mod gather;
 mod gathered;
 mod gradient;
+#[cfg(test)]
+mod gradient_test;
 mod grouping;
 mod identity;
 mod illumination;
