@@ -1,6 +1,6 @@
 //! How irradiance changes as the normal turns, so that baked light answers to bumps.
 
-use glam::Vec3;
+use glam::{DMat3, Vec3};
 
 use super::color::luminance;
 
@@ -49,6 +49,27 @@ pub fn reshade(light: Vec3, gradient: Vec3, normal: Vec3, bumped: Vec3) -> Vec3 
         return light;
     }
     light * (1.0 + gradient.dot(bumped - normal) / level).clamp(0.0, MOST)
+}
+
+/// Gradients in the space of a mesh, given the linear part `M` of its transform to the world.
+///
+/// They turn with a mesh that is turned after the bake, and so do mirrored ones, and keep their length
+/// under uniform scale:
+///
+/// ```text
+///   ┌──────────────────────────────────────────────┐
+///   │  G_world = M G_mesh / ∛|det M|                │
+///   └──────────────────────────────────────────────┘
+/// ```
+///
+/// `None` if `M` flattens the mesh to a plane or less: there is no such `G_mesh` then.
+pub fn local_gradients(world_from_mesh: DMat3, gradients: &[Vec3]) -> Option<Vec<Vec3>> {
+    let scale = world_from_mesh.determinant().abs().cbrt();
+    let to_mesh = world_from_mesh.inverse() * scale;
+    let local = |g: &Vec3| (to_mesh * g.as_dvec3()).as_vec3();
+    let local: Vec<Vec3> = gradients.iter().map(local).collect();
+    let fits = scale > 0.0 && local.iter().all(|g| g.is_finite());
+    fits.then_some(local)
 }
 
 /// A bump brightens light at most so many times: a sun that grazes the surface at 4° and shines full

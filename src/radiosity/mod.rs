@@ -128,7 +128,7 @@ pub use baker::Baker;
 pub use element_light::{Element, ElementLight};
 pub use estimate::{Estimate, estimate, estimate_counts};
 pub use form_factor::{FormFactors, point_to_polygon, polygon_to_polygon};
-pub use gradient::reshade;
+pub use gradient::{local_gradients, reshade};
 pub use light::{DirectLight, Light, LightKind};
 pub use observer::{Observer, Stage};
 pub use partial::PartialLight;
