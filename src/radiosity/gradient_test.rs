@@ -2,13 +2,14 @@
 
 use std::f32::consts::{FRAC_PI_3, PI, TAU};
 
-use glam::{Quat, Vec3, Vec4};
+use glam::{DMat3, DVec3, Quat, Vec3, Vec4};
 
 use super::baker_test::quad;
 use super::gradient::{bounded, gradient_about_z, gradient_of};
 use super::sampling::cosine_hemisphere;
 use super::{
-    BakeSettings, Light, LightKind, Material, ObjectLight, Scene, bake, point_to_polygon, reshade,
+    BakeSettings, Light, LightKind, Material, ObjectLight, Scene, bake, local_gradients,
+    point_to_polygon, reshade,
 };
 use crate::mesh::test_meshes::random;
 
@@ -261,4 +262,28 @@ fn what_is_lit_from_behind_answers_the_same() {
         let (a, b) = (of(&front, 1.0), of(&back, -1.0));
         assert!((a - b).length() < 1e-5 && a.x > 0.1, "{a} {b}");
     }
+}
+
+/// Turned, mirrored and stretched meshes: in the space of the mesh and back.
+#[test]
+fn gradients_are_found_again_in_world_space() {
+    for i in 0..100 {
+        let [a, b, c, d, e] = numbers(i);
+        let turn = Quat::from_axis_angle(unit([a, b]), TAU * c).as_dquat();
+        let size = DVec3::new(0.3 + f64::from(d), -2.0 * f64::from(e) - 0.1, 1.5);
+        let world = DMat3::from_quat(turn) * DMat3::from_diagonal(size);
+        let gradient = unit([d, e]) * 5.0;
+        let local = local_gradients(world, &[gradient]).unwrap()[0];
+        let scale = world.determinant().abs().cbrt();
+        let back = (world * local.as_dvec3() / scale).as_vec3();
+        assert!((back - gradient).length() < 1e-4, "{back} {gradient}");
+        // A scene that is turned and scaled later takes its gradients along.
+        let later = DMat3::from_rotation_x(1.0) * 7.0;
+        let whole = later * world;
+        let back = (whole * local.as_dvec3() / whole.determinant().abs().cbrt()).as_vec3();
+        let turned = Quat::from_rotation_x(1.0) * gradient;
+        assert!((back - turned).length() < 1e-4, "{back} {turned}");
+    }
+    let flat = DMat3::from_diagonal(DVec3::new(1.0, 0.0, 1.0));
+    assert_eq!(local_gradients(flat, &[Vec3::X]), None);
 }

@@ -90,6 +90,8 @@ mod gathered;
 mod gradient;
 #[cfg(test)]
 mod gradient_test;
+#[cfg(test)]
+mod gradient_study_test;
 mod grouping;
 mod identity;
 mod illumination;
