@@ -16,7 +16,11 @@ type Field = Vec<(DVec3, f64)>;
 
 fn direction(alpha: f64, phi: f64) -> DVec3 {
     let (alpha, phi) = (alpha.to_radians(), phi.to_radians());
-    DVec3::new(alpha.sin() * phi.cos(), alpha.sin() * phi.sin(), alpha.cos())
+    DVec3::new(
+        alpha.sin() * phi.cos(),
+        alpha.sin() * phi.sin(),
+        alpha.cos(),
+    )
 }
 
 /// A round lamp of this radius, in degrees, so many degrees off the normal.
@@ -28,25 +32,55 @@ fn lamp(d: DVec3, (alpha, phi): (f64, f64), radius: f64) -> bool {
 fn fields() -> Vec<(&'static str, Field)> {
     let off = |d: DVec3| d.z.acos().to_degrees();
     let at = |d: DVec3, phi: f64, half: f64| {
-        (d.y.atan2(d.x).to_degrees() - phi).rem_euclid(360.0).min((phi - d.y.atan2(d.x).to_degrees()).rem_euclid(360.0)) < half
+        (d.y.atan2(d.x).to_degrees() - phi)
+            .rem_euclid(360.0)
+            .min((phi - d.y.atan2(d.x).to_degrees()).rem_euclid(360.0))
+            < half
     };
     let value = |on: bool, radiance: f64| if on { radiance } else { 0.0 };
     type Of<'a> = Box<dyn Fn(DVec3) -> f64 + 'a>;
     let list: Vec<(&str, Of)> = vec![
         ("the same from everywhere", Box::new(|_| 1.0)),
-        ("lamp at 40°", Box::new(|d| 0.5 + value(lamp(d, (40.0, 20.0), 10.0), 60.0))),
-        ("lamp at 70°", Box::new(|d| 0.5 + value(lamp(d, (70.0, 20.0), 10.0), 60.0))),
-        ("sun at 80°, sky", Box::new(|d| 1.0 + value(lamp(d, (80.0, 20.0), 5.0), 400.0))),
-        ("window", Box::new(|d| if off(d) > 55.0 && at(d, 180.0, 30.0) { 10.0 } else { 0.5 })),
-        ("corner, lamp", Box::new(|d| {
-            let wall = if d.x > 0.0 && off(d) > 17.0 { 1.0 } else { 0.3 };
-            wall + value(lamp(d, (29.0, 115.0), 12.0), 15.0)
-        })),
-        ("two lamps at 50°", Box::new(|d| {
-            let both = [20.0, 200.0].map(|phi| value(lamp(d, (50.0, phi), 10.0), 40.0));
-            0.3 + both[0] + both[1]
-        })),
-        ("bright horizon", Box::new(|d| if off(d) > 60.0 { 3.0 } else { 0.2 })),
+        (
+            "lamp at 40°",
+            Box::new(|d| 0.5 + value(lamp(d, (40.0, 20.0), 10.0), 60.0)),
+        ),
+        (
+            "lamp at 70°",
+            Box::new(|d| 0.5 + value(lamp(d, (70.0, 20.0), 10.0), 60.0)),
+        ),
+        (
+            "sun at 80°, sky",
+            Box::new(|d| 1.0 + value(lamp(d, (80.0, 20.0), 5.0), 400.0)),
+        ),
+        (
+            "window",
+            Box::new(|d| {
+                if off(d) > 55.0 && at(d, 180.0, 30.0) {
+                    10.0
+                } else {
+                    0.5
+                }
+            }),
+        ),
+        (
+            "corner, lamp",
+            Box::new(|d| {
+                let wall = if d.x > 0.0 && off(d) > 17.0 { 1.0 } else { 0.3 };
+                wall + value(lamp(d, (29.0, 115.0), 12.0), 15.0)
+            }),
+        ),
+        (
+            "two lamps at 50°",
+            Box::new(|d| {
+                let both = [20.0, 200.0].map(|phi| value(lamp(d, (50.0, phi), 10.0), 40.0));
+                0.3 + both[0] + both[1]
+            }),
+        ),
+        (
+            "bright horizon",
+            Box::new(|d| if off(d) > 60.0 { 3.0 } else { 0.2 }),
+        ),
     ];
     let (rings, sides) = (60, 120);
     let grid: Vec<DVec3> = (0..rings)
@@ -91,7 +125,9 @@ fn by_mean_direction(field: &Field, normal: DVec3) -> f64 {
 
 #[test]
 fn gradients_foretell_turned_normals() {
-    println!("| light | slopes up to | ignored | mean direction | gradient |\n|---|---|---|---|---|");
+    println!(
+        "| light | slopes up to | ignored | mean direction | gradient |\n|---|---|---|---|---|"
+    );
     let mut random = random(3);
     for (name, field) in fields() {
         let whole = irradiance(&field, DVec3::Z);

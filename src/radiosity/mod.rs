@@ -89,9 +89,9 @@ mod gather;
 mod gathered;
 mod gradient;
 #[cfg(test)]
-mod gradient_test;
-#[cfg(test)]
 mod gradient_study_test;
+#[cfg(test)]
+mod gradient_test;
 mod grouping;
 mod identity;
 mod illumination;
