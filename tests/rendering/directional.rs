@@ -102,8 +102,8 @@ fn pixels_are_what_the_twin_says() {
         }
         let (error, effect) = ((square / whole).sqrt(), (turned / whole).sqrt());
         println!("deferred {deferred}: {error:.5} of {effect:.3}");
-        // Nine bits of each channel in deferred.
-        assert!(error < if deferred { 3e-3 } else { 1e-3 }, "{error}");
+        // Light is linear between vertices, and has nine bits in deferred.
+        assert!(error < if deferred { 3e-3 } else { 1.5e-3 }, "{error}");
         assert!(effect > 0.2, "nothing is turned: {effect}");
     }
 }
@@ -126,7 +126,10 @@ fn turned_mirrored_stretched_and_from_behind() {
             .with_rotation(Quat::from_rotation_x(0.4) * Quat::from_rotation_z(1.0)),
     ] {
         let world = Mat3::from_quat(at.rotation) * Mat3::from_diagonal(at.scale);
-        let gradient = Vec3::new(300.0, -400.0, 250.0);
+        let normal = (world.inverse().transpose() * Vec3::Z).normalize();
+        let tangent = (world * Vec3::X).normalize();
+        let bitangent = normal.cross(tangent) * world.determinant().signum();
+        let gradient = tangent * 1500.0 - bitangent * 900.0 + normal * 600.0;
         let local = local_gradients(
             DMat3::from_cols_array(&world.to_cols_array().map(f64::from)),
             &[gradient],
@@ -149,15 +152,12 @@ fn turned_mirrored_stretched_and_from_behind() {
                 },
             )
         });
-        let normal = (world.inverse().transpose() * Vec3::Z).normalize();
-        let tangent = (world * Vec3::X).normalize();
-        let bitangent = normal.cross(tangent) * world.determinant().signum();
         let [x, y, z] = decoded(texel).to_array();
         let bumped = (tangent * x + bitangent * y + normal * z).normalize();
         let expected = reshade(LIGHT, gradient, normal, bumped);
         let found = Vec3::from(picture.at(0.5, 0.5)) / exposure();
         println!("{found} for {expected}");
-        assert!((expected / LIGHT - 1.0).abs().max_element() > 0.1);
+        assert!((expected / LIGHT - 1.0).min_element() > 0.5);
         assert!(((found - expected) / expected).abs().max_element() < 5e-3);
     }
 }
