@@ -1,6 +1,7 @@
 //! Baked light at turned normals, against light gathered by rays about them.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on panics")]
+#![allow(clippy::print_stdout, reason = "how close it came")]
 #![cfg(feature = "gltf")]
 
 use std::f32::consts::{FRAC_1_PI, TAU};

@@ -494,8 +494,8 @@ impl<'a> Shining<'a> {
         let mut add = |share: &GradientShare, color: Vec3| {
             let level = luminance(color);
             for (half, sum) in samples.halves.iter_mut().zip(&share.0) {
-                for k in 0..3 {
-                    half.light[k] += sum[k] * level;
+                for (light, sum) in half.light.iter_mut().zip(sum) {
+                    *light += *sum * level;
                 }
             }
         };

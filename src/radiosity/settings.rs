@@ -56,7 +56,7 @@ pub struct BakeSettings {
     /// the first radiosity programs, which takes a hundred times as many for the same error.
     pub sample_emitters: bool,
     /// Whether each vertex also gets the [gradient](super::ObjectLight::gradient) of its light, so that
-    /// bumps can be shaded by it. Takes some 10 % more time, the same rays, and 12 bytes a vertex.
+    /// bumps can be shaded by it. Takes 10 to 20 % more time, the same rays, and 12 bytes a vertex.
     pub directional: bool,
     /// How the linear system is solved.
     pub solver: Solver,
