@@ -189,6 +189,40 @@ fn vertex_colors_have_mid_grey_as_mean() {
 }
 
 #[test]
+fn directional_light_is_stored_beside_the_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("lit.glb");
+    let json = folder.path().join("report.json");
+    let more = ["--directional", "--report", json.to_str().unwrap(), "-q"];
+    let ran = bake(Path::new(FURNACE), &output, &more);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    let report: Value = serde_json::from_slice(&fs::read(&json).unwrap()).unwrap();
+    assert_eq!(report["settings"]["directional"], true);
+    let document = bevy_fresco::gltf::load(&output).unwrap().document;
+    assert_eq!(
+        document.json["asset"]["extras"]["fresco"]["directional"],
+        true
+    );
+    for mesh in document.json["meshes"].as_array().unwrap() {
+        let attributes = &mesh["primitives"][0]["attributes"];
+        let count = |name: &str| {
+            let accessor = attributes[name].as_u64().unwrap() as usize;
+            document.json["accessors"][accessor]["count"]
+                .as_u64()
+                .unwrap()
+        };
+        assert_eq!(count("_BAKED_LIGHT_GRADIENT"), count("_BAKED_LIGHT"));
+    }
+    let ran = bake(
+        Path::new(FURNACE),
+        &output,
+        &["--directional", "--vertex-colors"],
+    );
+    assert_eq!(ran.code, 2);
+    assert!(ran.err.contains("--vertex-colors"), "{}", ran.err);
+}
+
+#[test]
 fn refines_and_takes_a_sky() {
     let folder = tempfile::tempdir().unwrap();
     let vertices = |more: &[&str]| {

@@ -71,7 +71,7 @@ pub(super) struct BakeArgs {
 pub(super) struct ResultArgs {
     /// Store light as vertex colours on unlit materials, which any viewer shows. What is brighter
     /// than white is cut off, and the file cannot be baked again
-    #[arg(long)]
+    #[arg(long, conflicts_with = "directional")]
     pub(super) vertex_colors: bool,
     /// Factor from cd/m² to the 0..1 of vertex colours and preview, above 0 [default: for vertex
     /// colours the mean light becomes mid grey, 0.18; for the preview it is chosen by the picture]
@@ -137,6 +137,9 @@ pub(super) struct SettingsArgs {
     /// balanced 24, final 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     emitter_rays: Option<u32>,
+    /// Also store how light changes as normals turn, so that bump and normal maps are shaded by it
+    #[arg(long)]
+    directional: bool,
     /// Error at which the solver stops, relative to the mean, above 0 [draft 0.01,
     /// balanced 0.001, final 0.0001]
     #[arg(long, value_name = "E", value_parser = positive)]
@@ -222,6 +225,7 @@ impl SettingsArgs {
             max_reflectance: self.max_reflectance.unwrap_or(preset.max_reflectance),
             seed: self.seed.unwrap_or(preset.seed),
             form_factors: self.method.form_factors(self.preset),
+            directional: self.directional,
             sample_emitters: !self.method.no_emitter_sampling,
             solver: self.method.solver(),
             max_memory: self.max_memory.unwrap_or(preset.max_memory),

@@ -71,6 +71,7 @@ fn settings(settings: &BakeSettings, args: &BakeArgs) -> Value {
         "emitter_rays": settings.emitter_rays,
         "adapt": settings.adapt,
         "sample_emitters": settings.sample_emitters,
+        "directional": settings.directional,
         "solver": settings.solver.name(),
         "solver_tolerance": settings.solver_tolerance,
         "max_sweeps": settings.max_sweeps,

@@ -2,6 +2,7 @@
 
 mod earlier;
 mod glb;
+mod gradient;
 mod images;
 mod instances;
 mod interpolate;
@@ -12,7 +13,7 @@ mod refine;
 mod skin;
 mod vertex_colors;
 
-use self::{earlier::EarlierLight, glb::Glb, vertex_colors::Painter};
+use self::{earlier::EarlierLight, glb::Glb, gradient::Nodes, vertex_colors::Painter};
 use super::{Document, GltfError, PrimitiveKey};
 use crate::radiosity::{DirectLight, ObjectLight};
 
@@ -62,6 +63,12 @@ pub struct Exported {
     pub notes: Vec<String>,
 }
 
+/// What is known of a document before light is written into it.
+struct Before {
+    earlier: EarlierLight,
+    nodes: Nodes,
+}
+
 /// Writes `document` with the light of `baked` as a single `.glb`.
 ///
 /// Everything else in the document goes through as it came. `light_nodes` are the nodes of the
@@ -79,13 +86,18 @@ pub fn to_glb(
         LightEncoding::Attribute => None,
         LightEncoding::VertexColors { exposure } => Some(Painter::new(&glb, &targets, exposure)?),
     };
-    let earlier = EarlierLight::find(&glb);
+    let before = Before {
+        earlier: EarlierLight::find(&glb),
+        nodes: Nodes::new(&glb.json),
+    };
     for (&target, baked) in targets.iter().zip(baked) {
-        primitive::write_primitive(&mut glb, target, baked, &earlier, painter.as_mut())?;
+        primitive::write_primitive(&mut glb, target, baked, &before, painter.as_mut())?;
     }
+    let directional =
+        painter.is_none() && baked.iter().any(|baked| !baked.light.gradient.is_empty());
     if let Some(painter) = painter {
         painter.finish(&mut glb);
     }
-    marks::mark(&mut glb, light_nodes, options)?;
+    marks::mark(&mut glb, light_nodes, options, directional)?;
     glb.finish()
 }

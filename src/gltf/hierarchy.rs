@@ -132,7 +132,7 @@ fn is_hidden(node: &Node) -> bool {
 }
 
 /// Parent from node. Shapes were checked with the typed document.
-fn local_transform(node: &Value) -> DAffine3 {
+pub(super) fn local_transform(node: &Value) -> DAffine3 {
     if let Some(columns) = numbers::<16>(node, "matrix") {
         let matrix = DMat4::from_cols_array(&columns);
         return DAffine3::from_mat3_translation(DMat3::from_mat4(matrix), matrix.w_axis.truncate());

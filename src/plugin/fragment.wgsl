@@ -24,6 +24,10 @@
 #import bevy_fresco::pbr_functions::apply_pbr_lighting
 #endif
 
+#ifdef VERTEX_BAKED_LIGHT_GRADIENT
+#import bevy_fresco::directional::reshade
+#endif
+
 #ifdef VISIBILITY_RANGE_DITHER
 #import bevy_pbr::pbr_functions::visibility_range_dither
 #endif
@@ -43,12 +47,21 @@ fn fragment(
     in: VertexOutput,
     @builtin(front_facing) is_front: bool,
     @location(10) baked_light: vec3<f32>,
+#ifdef VERTEX_BAKED_LIGHT_GRADIENT
+    @location(11) baked_light_gradient: vec3<f32>,
+#endif
 ) -> FragmentOutput {
 #ifdef VISIBILITY_RANGE_DITHER
     visibility_range_dither(in.position, in.visibility_range_dither);
 #endif
 
     var pbr_input = pbr_input_from_standard_material(in, is_front);
+
+    // The unit normal of the surface without relief, on the side that is seen.
+    let double_sided = (pbr_input.material.flags & pbr_types::STANDARD_MATERIAL_FLAGS_DOUBLE_SIDED_BIT) != 0u;
+    let side = select(1.0, -1.0, double_sided && !is_front);
+    let n = side * normalize(in.world_normal);
+
     pbr_input.material.base_color = alpha_discard(pbr_input.material, pbr_input.material.base_color);
     apply_decals(&pbr_input);
 
@@ -57,6 +70,11 @@ fn fragment(
     // light must not come out negative there.
     if is_lit {
         pbr_input.lightmap_light = max(baked_light, vec3(0.0)) * fresco.params.x;
+#ifdef VERTEX_BAKED_LIGHT_GRADIENT
+        // It belongs to the normals of the mesh: either side shows the same light.
+        let gradient = side * baked_light_gradient * fresco.params.x;
+        pbr_input.lightmap_light = reshade(pbr_input.lightmap_light, gradient, n, pbr_input.N);
+#endif
     }
 
 #ifdef PREPASS_PIPELINE

@@ -11,15 +11,16 @@ use bevy::render::render_resource::{
 };
 use bevy::shader::ShaderDefVal;
 
-use super::ATTRIBUTE_BAKED_LIGHT;
 use super::shaders;
+use super::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT};
 
 /// [`StandardMaterial`] that shows what this crate makes of a surface.
 ///
 /// On a mesh with [`ATTRIBUTE_BAKED_LIGHT`] the light is added where Bevy adds that of a
 /// [`Lightmap`](bevy::pbr::Lightmap), and the same rules hold: lights, ambient light and probes
 /// that say they do not affect lightmapped meshes keep only their specular part. An entity that
-/// has a `Lightmap` shows that instead. On any other mesh it *is* the standard material: Bevy's
+/// has a `Lightmap` shows that instead. With [`ATTRIBUTE_BAKED_LIGHT_GRADIENT`] beside it the light answers to
+/// normal maps. On any other mesh it *is* the standard material: Bevy's
 /// own shaders draw it.
 ///
 /// In the deferred renderer Bevy adds lights' diffuse part to lightmapped meshes whatever the
@@ -60,6 +61,7 @@ impl From<&FrescoExtension> for FrescoUniform {
 
 /// Where the attribute enters the vertex shader: Bevy's own end at 7.
 const BAKED_LIGHT_LOCATION: u32 = 8;
+const GRADIENT_LOCATION: u32 = 9;
 
 impl MaterialExtension for FrescoExtension {
     /// Puts our shaders in the place of Bevy's where there is baked light to show, and nowhere
@@ -89,10 +91,19 @@ impl MaterialExtension for FrescoExtension {
         if !forward && !is_defined("DEFERRED_PREPASS") {
             return Ok(());
         }
-        let light = layout
-            .0
-            .get_layout(&[ATTRIBUTE_BAKED_LIGHT.at_shader_location(BAKED_LIGHT_LOCATION)])?;
-        buffer.attributes.extend(light.attributes);
+        // Nothing turns normals but a normal map, which Bevy ignores where there are no tangents.
+        let has_gradient = is_defined("STANDARD_MATERIAL_NORMAL_MAP")
+            && (layout.0).contains(Mesh::ATTRIBUTE_TANGENT)
+            && (layout.0).contains(ATTRIBUTE_BAKED_LIGHT_GRADIENT);
+        let light = ATTRIBUTE_BAKED_LIGHT.at_shader_location(BAKED_LIGHT_LOCATION);
+        let gradient = ATTRIBUTE_BAKED_LIGHT_GRADIENT.at_shader_location(GRADIENT_LOCATION);
+        let attributes = &[light, gradient][..if has_gradient { 2 } else { 1 }];
+        let attributes = layout.0.get_layout(attributes)?.attributes;
+        buffer.attributes.extend(attributes);
+        if has_gradient {
+            descriptor.vertex.shader_defs.push(shaders::GRADIENT.into());
+            fragment.shader_defs.push(shaders::GRADIENT.into());
+        }
         descriptor.vertex.shader = shaders::VERTEX_SHADER;
         fragment.shader = shaders::FRAGMENT_SHADER;
         // In the deferred pass Bevy adds the light without being told.

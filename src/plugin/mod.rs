@@ -9,7 +9,7 @@ mod shaders;
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
-pub use attribute::ATTRIBUTE_BAKED_LIGHT;
+pub use attribute::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT};
 pub use material::{FrescoExtension, FrescoMaterial, FrescoMaterialPlugin};
 pub use radiosity::RadiosityPlugin;
 

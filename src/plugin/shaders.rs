@@ -13,7 +13,7 @@ use std::borrow::Cow;
 use bevy::asset::uuid_handle;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
-use bevy::shader::Shader;
+use bevy::shader::{Shader, load_shader_library};
 
 /// Passes baked light on, beside all that Bevy's vertex shaders do.
 pub(super) const VERTEX_SHADER: Handle<Shader> =
@@ -26,6 +26,9 @@ const PBR_FUNCTIONS: Handle<Shader> = uuid_handle!("5b1d1f0e-6c1c-4a51-9a6d-3f4a
 
 /// The shader definition under which surfaces are lit as lightmapped ones.
 pub(super) const BAKED_LIGHT: &str = "FRESCO_BAKED_LIGHT";
+
+/// The shader definition under which baked light answers to bumps, in both stages.
+pub(super) const GRADIENT: &str = "VERTEX_BAKED_LIGHT_GRADIENT";
 
 /// Where Bevy keeps the text that [`PBR_FUNCTIONS`] is made from.
 const SOURCE: &str = "embedded://bevy_pbr/render/pbr_functions.wgsl";
@@ -49,6 +52,7 @@ pub(super) fn plugin(app: &mut App) {
     if app.get_sub_app(RenderApp).is_none() {
         return;
     }
+    load_shader_library!(app, "directional.wgsl");
     app.add_systems(Startup, (add_own, load_bevys)).add_systems(
         PreUpdate,
         copy_bevys_lighting.run_if(resource_exists::<Source>),

@@ -12,6 +12,9 @@
     skinning,
     view_transformations::position_world_to_clip,
 }
+#ifdef VERTEX_BAKED_LIGHT_GRADIENT
+#import bevy_fresco::directional::gradient_to_world
+#endif
 #ifdef PREPASS_PIPELINE
 #import bevy_pbr::prepass_io::Vertex
 #else
@@ -65,6 +68,9 @@ struct LitVertexOutput {
 #endif
 #endif // PREPASS_PIPELINE
     @location(10) baked_light: vec3<f32>,
+#ifdef VERTEX_BAKED_LIGHT_GRADIENT
+    @location(11) baked_light_gradient: vec3<f32>,
+#endif
 }
 
 #ifdef MORPH_TARGETS
@@ -109,6 +115,9 @@ fn morph_prev_vertex(vertex_in: Vertex, instance_index: u32) -> Vertex {
 fn vertex(
     vertex_no_morph: Vertex,
     @location(8) baked_light: vec3<f32>,
+#ifdef VERTEX_BAKED_LIGHT_GRADIENT
+    @location(9) baked_light_gradient: vec3<f32>,
+#endif
 ) -> LitVertexOutput {
     var out: LitVertexOutput;
 
@@ -199,5 +208,8 @@ fn vertex(
 #endif
 
     out.baked_light = baked_light;
+#ifdef VERTEX_BAKED_LIGHT_GRADIENT
+    out.baked_light_gradient = gradient_to_world(baked_light_gradient, world_from_local);
+#endif
     return out;
 }

@@ -23,4 +23,12 @@ pub struct ObjectLight {
     /// Irradiance / π at each vertex of that mesh, linear RGB in cd/m²: multiplied by the
     /// reflectance it is the radiance the eye sees. Empty if the object does not receive light.
     pub light: Vec<Vec3>,
+    /// Where light comes from: its gradient by the normal, at each vertex of that mesh, if
+    /// [`BakeSettings::directional`](super::BakeSettings::directional) asks for it, else empty.
+    ///
+    /// A vector in world space, luminance / π in cd/m², at most ten times as long as the luminance of
+    /// [`light`](Self::light): [`reshade`](super::reshade) says what it is for. It belongs to the normals
+    /// of the mesh, also where light was put on the side that they point away from. Of a single
+    /// far lamp it is the irradiance / π of a surface that faces it, times the unit vector towards it.
+    pub gradient: Vec<Vec3>,
 }

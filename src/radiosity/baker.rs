@@ -183,5 +183,6 @@ fn black(object: &super::scene::Object) -> ObjectLight {
     ObjectLight {
         mesh: None,
         light: vec![Vec3::ZERO; receiving],
+        gradient: Vec::new(),
     }
 }

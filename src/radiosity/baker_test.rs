@@ -18,6 +18,7 @@ const SETTINGS: BakeSettings = BakeSettings {
     emitter_rays: 8,
     solver_tolerance: 1e-4,
     refine: false,
+    directional: true,
     ..BakeSettings::DRAFT
 };
 
@@ -173,10 +174,16 @@ pub(super) fn room() -> Scene {
     }
 }
 
-/// Largest difference of vertex light, relative to the brightest.
+/// Largest difference of vertex light and of its gradients, relative to the brightest.
 pub(super) fn difference(a: &Bake, b: &Bake) -> f32 {
-    let light =
-        |b: &Bake| -> Vec<Vec3> { b.objects.iter().flat_map(|o| o.light.clone()).collect() };
+    let light = |b: &Bake| -> Vec<Vec3> {
+        b.objects
+            .iter()
+            .flat_map(|o| [&o.light[..], &o.gradient])
+            .flatten()
+            .copied()
+            .collect()
+    };
     let (a, b) = (light(a), light(b));
     assert_eq!(a.len(), b.len());
     let brightest = a.iter().map(|v| v.max_element()).fold(1e-6, f32::max);

@@ -7,6 +7,7 @@ use super::change::Change;
 use super::element::{ElementId, Elements};
 use super::emitter::{Emitters, Group, Receiver};
 use super::form_factor::{Traced, View};
+use super::gradient::Arrived;
 use super::illumination::{Shadow, illumination};
 use super::light::{Light, LightKind};
 use super::observer::{Observer, Stage};
@@ -183,9 +184,10 @@ impl<'a> Sampler<'a> {
             blocks,
             rays: self.emitters.samples.div_ceil(blocks),
             seed,
+            gradients: false,
         };
         let mut sums: Vec<(u32, f32)> = Vec::new();
-        let found = |_, from, light| add(&mut sums, from, light / count);
+        let found = |_, from, arrived: Arrived| add(&mut sums, from, arrived.light / count);
         *rays += (self.emitters)
             .light(self.elements, &self.occluders, &group, found)
             .rays;

@@ -173,13 +173,20 @@ fn bytes(scene: &ValidScene, settings: &BakeSettings, counts: &Estimate, triangl
     const PER_VERTEX: u64 = 350;
     const PER_TRIANGLE: u64 = 500;
     const PER_ELEMENT: u64 = 330;
+    // Gradients: at vertices of both meshes as they are fitted, and samples of both kinds of light.
+    const GRADIENT_PER_VERTEX: u64 = 100;
+    const GRADIENT_PER_TRIANGLE: u64 = 320;
     // Eight-bit texels, and their pyramid in four floats.
     const PER_TEXEL: u64 = 4 + 22;
+    let (of_vertex, of_triangle) = match settings.directional {
+        true => (GRADIENT_PER_VERTEX, GRADIENT_PER_TRIANGLE),
+        false => (0, 0),
+    };
     let texels: usize = scene.textures.iter().map(|t| t.texels.len()).sum();
     FIXED
         + PER_INPUT_TRIANGLE * scene.triangles.len() as u64
-        + PER_VERTEX * counts.vertices
-        + PER_TRIANGLE * triangles
+        + (PER_VERTEX + of_vertex) * counts.vertices
+        + (PER_TRIANGLE + of_triangle) * triangles
         + PER_ELEMENT * counts.elements
         + matrix_bytes(settings, counts.elements)
         + PER_TEXEL * texels as u64
@@ -189,9 +196,11 @@ fn bytes(scene: &ValidScene, settings: &BakeSettings, counts: &Estimate, triangl
 pub(crate) fn vertices_within(scene: &ValidScene, settings: &BakeSettings, given: u64) -> usize {
     // Two triangles a vertex, and all that is kept of samples on them.
     const PER_VERTEX: u64 = 1600;
+    const GRADIENT: u64 = 800;
     let fixed = estimate_counts(scene, settings).bytes;
     let spare = settings.max_memory.saturating_sub(fixed);
-    (given + spare / PER_VERTEX).min(u32::MAX.into()) as usize
+    let per_vertex = PER_VERTEX + if settings.directional { GRADIENT } else { 0 };
+    (given + spare / per_vertex).min(u32::MAX.into()) as usize
 }
 
 /// Bytes of the form-factor matrix and of what the solver makes of it, at the peak.

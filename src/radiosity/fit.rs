@@ -2,6 +2,7 @@ use glam::Vec3;
 
 use super::color::{divide, luminance};
 use super::gathered::TriangleSamples;
+use super::gradient::bounded;
 use super::kind::{ByKind, Kind};
 use super::level::Level;
 use super::parallel::Cancelled;
@@ -14,6 +15,8 @@ pub(crate) struct Fit {
     pub(crate) smoothing: Smoothing,
     /// The part of it that rays gathered.
     pub(crate) gathered: Vec<Vec3>,
+    /// Its gradient, if that is asked for.
+    pub(crate) gradient: Option<Vec<Vec3>>,
     /// Area-weighted mean luminance.
     pub(crate) mean: f32,
     /// Unknowns without a sample of their own, filled along the mesh.
@@ -104,16 +107,7 @@ pub(crate) fn fit(
     let gathered = receivers.carried_over(&smooth.light);
     let both = sharp.light.iter().zip(&gathered);
     let mut whole: Vec<Vec3> = both.map(|(&a, &b)| a + b).collect();
-    let mut area = vec![0.0_f32; unknowns];
-    // Of what lies inside geometry, and of all but one of walls modelled twice, nothing is known.
-    let mut valid = vec![0.0_f32; unknowns];
-    for t in samples.sharp {
-        let share = (t.taken - t.invalid) as f32 / t.taken.max(1) as f32;
-        for &u in &t.unknowns {
-            area[u as usize] += t.area / 3.0;
-            valid[u as usize] += t.area / 3.0 * share;
-        }
-    }
+    let (area, valid) = areas(samples.sharp, unknowns);
     let sampled: Vec<bool> = valid.iter().map(|&a| a > 0.0).collect();
     close_seams(&mut whole, &valid, seams);
     let total: f64 = (area.iter().map(|&a| f64::from(a)).sum::<f64>()).max(f64::MIN_POSITIVE);
@@ -156,8 +150,51 @@ pub(crate) fn fit(
         filled: (0..unknowns).map(|i| !sampled[i] && !dark[i]).collect(),
         light: whole,
         gathered,
+        gradient: None,
         dark,
     })
+}
+
+/// Fits gradients to their samples as light was fitted, with the smoothing found then: they are as linear
+/// in the light as the light itself.
+pub(crate) fn fit_gradient(
+    samples: &Samples,
+    receivers: &Receivers,
+    seams: &[Vec<u32>],
+    fitted: &Fit,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Vec<Vec3>, Cancelled> {
+    let unknowns = receivers.fine.unknowns;
+    let lambda = fitted.smoothing.lambda;
+    let layer = |samples: &[TriangleSamples], unknowns: usize, lambda: f32| {
+        if go_on() {
+            Ok(System::new(samples, unknowns, &[0, 1], lambda).solve())
+        } else {
+            Err(Cancelled)
+        }
+    };
+    let sharp = layer(samples.sharp, unknowns, lambda.sharp)?;
+    let smooth = layer(samples.smooth, receivers.coarse.unknowns, lambda.smooth)?;
+    let gathered = receivers.carried_over(&smooth);
+    let mut whole: Vec<Vec3> = sharp.iter().zip(&gathered).map(|(&a, &b)| a + b).collect();
+    close_seams(&mut whole, &areas(samples.sharp, unknowns).1, seams);
+    let bound = |(&gradient, &light)| bounded(gradient, light);
+    Ok(whole.iter().zip(&fitted.light).map(bound).collect())
+}
+
+/// Surface around each unknown, and how much of it is known: of what lies inside geometry, and of all but
+/// one of walls modelled twice, nothing is.
+fn areas(samples: &[TriangleSamples], unknowns: usize) -> (Vec<f32>, Vec<f32>) {
+    let mut area = vec![0.0_f32; unknowns];
+    let mut valid = vec![0.0_f32; unknowns];
+    for t in samples {
+        let share = (t.taken - t.invalid) as f32 / t.taken.max(1) as f32;
+        for &u in &t.unknowns {
+            area[u as usize] += t.area / 3.0;
+            valid[u as usize] += t.area / 3.0 * share;
+        }
+    }
+    (area, valid)
 }
 
 /// One kind of light, fitted on its mesh.

@@ -10,10 +10,12 @@ use super::element::{ElementId, Elements};
 use super::emitter::{Emitters, Group, Receiver, ShadowsOfEmitters};
 use super::form_factor::{BLACK, GONE, SKY};
 use super::gathered::{
-    Bundle, Gathered, Met, NOT_CAST, SAMPLED, SHEET, SamplePlaces, Share, SharpLight,
+    Bundle, Gathered, GradientShare, Met, NOT_CAST, SAMPLED, SHEET, SamplePlaces, Share,
+    SharpGradients, SharpLight, Shining, TriangleSamples,
 };
+use super::gradient::gradient_about_z;
 use super::identity::object_seeds;
-use super::illumination::{Shadow, illumination};
+use super::illumination::{Shadow, arrived};
 use super::light::{DirectLight, Light};
 use super::occlusion::{Hit, NO_TRIANGLE, OFFSET, Occluders};
 use super::receiver_mesh::{ReceiverMesh, ReceiverMeshes};
@@ -125,6 +127,9 @@ pub(crate) fn density(receivers: &ReceiverMeshes, settings: &BakeSettings) -> f3
     (samples / roots.max(f64::MIN_POSITIVE)) as f32
 }
 
+/// By element, what its light brings, and the gradients of that, if they are asked for.
+type Shares = (Arc<[(u32, Share)]>, Arc<[GradientShare]>);
+
 /// A triangle to sample.
 struct Patch<'a> {
     mesh: &'a ReceiverMesh,
@@ -208,18 +213,23 @@ impl Gather<'_> {
         // Samples left out send no shadow rays either.
         let known = known.filter(|(_, old)| old.samples == places);
         let (valid, sphere, mut calm) = (&*places.valid, patch.sphere(), true);
-        let lights = self.scene.lights.iter().enumerate().map(|(l, light)| {
+        let mut gradients = SharpGradients::default();
+        let mut lights = Vec::with_capacity(self.scene.lights.len());
+        for (l, light) in self.scene.lights.iter().enumerate() {
             let share = known.and_then(|(b, old)| b.light(l, light, old, sphere));
-            share.or_else(|| {
+            let share = share.or_else(|| {
                 wanted(light).then(|| {
                     let (share, shadow) = self.light(l, patch, valid);
                     cost.shadow.lights += shadow.rays;
                     calm &= shadow.agreed().is_some();
                     share
                 })
-            })
-        });
-        let lights = lights.collect();
+            });
+            lights.push(share.map(|(light, _)| light));
+            if self.settings.directional {
+                gradients.lights.push(share.map(|(_, gradient)| gradient));
+            }
+        }
         let mut sampled = |from: &Emitters, salt| {
             let (shares, shadows) = self.sampled(from, salt, patch, valid);
             cost.shadow.emitters += shadows.rays;
@@ -227,17 +237,22 @@ impl Gather<'_> {
             calm &= shadows.calm || from.are_reflectors();
             shares
         };
+        let (emitters, of_emitters) = match known {
+            Some((b, old)) if b.emitters_stay(self, sphere) => b.emitters(old),
+            _ => sampled(&self.emitters, 0),
+        };
+        let (reflectors, of_reflectors) = match known {
+            Some((b, old)) if b.reflectors_stay(self, sphere) => b.reflectors(old),
+            _ => sampled(&self.reflectors, 2),
+        };
+        gradients.emitters = of_emitters;
+        gradients.reflectors = of_reflectors;
         let light = SharpLight {
             lights,
-            emitters: match known {
-                Some((b, old)) if b.emitters_stay(self, sphere) => b.translate(&old.emitters),
-                _ => sampled(&self.emitters, 0),
-            },
-            reflectors: match known {
-                Some((b, old)) if b.reflectors_stay(self, sphere) => b.translate(&old.reflectors),
-                _ => sampled(&self.reflectors, 2),
-            },
+            emitters,
+            reflectors,
             samples: places,
+            gradients: self.settings.directional.then(|| gradients.into()),
         };
         (light, calm)
     }
@@ -289,6 +304,64 @@ impl Gather<'_> {
             seed: hash(triangle as u32, salt),
             places: OnceCell::new(),
         })
+    }
+
+    /// The gradient of the luminance that rays from a triangle gathered, in the place of the light.
+    ///
+    /// Directions are not kept: they follow from the seed, and a rebake asks for them again. Of light that
+    /// is the same from everywhere, `L`, the gradient is `L/2 n`, so that rays need only tell how theirs
+    /// differs from the mean `L` of the triangle,
+    ///
+    /// ```text
+    ///   ┌────────────────────────────────────────┐
+    ///   │  G = L/2 n + 1/S Σ_i (L_i − L) g(ω_i)    │
+    ///   └────────────────────────────────────────┘
+    /// ```
+    ///
+    /// and the large `g` of rays that graze the surface count only where there is something to see.
+    pub(crate) fn gathered_gradient(
+        &self,
+        bundle: &Bundle,
+        mesh: &ReceiverMesh,
+        object: usize,
+        triangle: usize,
+        shining: &Shining,
+    ) -> TriangleSamples {
+        let taken = bundle.samples.len() as u32;
+        let mut samples = TriangleSamples::new(mesh, triangle, taken);
+        let Some(patch) = self.patch(mesh, object, triangle) else {
+            return samples;
+        };
+        let patch = patch.with(taken);
+        let weight = samples.area / taken.max(1) as f32;
+        let rays = self.settings.gather_rays;
+        let levels = shining.levels(bundle);
+        let cast: u32 = bundle.samples.iter().map(|sample| sample.cast).sum();
+        let valid = |&(i, _): &(usize, &f32)| bundle.samples[i / rays as usize].cast > 0;
+        let all: f32 = (levels.iter().enumerate().filter(valid))
+            .map(|(_, level)| level)
+            .sum();
+        let mean = all / cast.max(1) as f32;
+        for (i, sample) in bundle.samples.iter().enumerate() {
+            if sample.cast == 0 {
+                samples.invalid += 1;
+                continue;
+            }
+            let first = i as u32 * rays;
+            let mut sum = Vec3::Z * (0.5 * mean * rays as f32);
+            for ray in first..first + rays {
+                // Those not cast see the mean.
+                if bundle.ids[ray as usize] != NOT_CAST {
+                    let [u, v, ..] = sobol(ray, 2, patch.seed);
+                    let apart = levels[ray as usize] - mean;
+                    sum += gradient_about_z(cosine_hemisphere(u, v)) * apart;
+                }
+            }
+            let around = frame(patch.place(i as u32).1.shading);
+            let gradient = around * sum / rays as f32;
+            samples.halves[i % 2].add(weight, sample.b, gradient);
+        }
+        samples
     }
 
     fn rays(
@@ -442,17 +515,22 @@ impl Gather<'_> {
     }
 
     /// What a light brings to a triangle.
-    fn light(&self, l: usize, patch: &Patch, valid: &[u32]) -> (Share, Shadow) {
+    fn light(&self, l: usize, patch: &Patch, valid: &[u32]) -> ((Share, GradientShare), Shadow) {
         let seed = hash(patch.seed, light_seed(self.scene, l));
-        let (mut sum, mut shadow) = (Share::default(), Shadow::UNKNOWN);
+        let (mut sum, mut gradient) = (Share::default(), GradientShare::default());
+        let mut shadow = Shadow::UNKNOWN;
+        let (light, asked) = (&self.scene.lights[l], self.settings.directional);
         for &i in valid {
             let &(b, ref place) = patch.place(i);
             let receiver = place.receiver(patch.live);
-            let light = &self.scene.lights[l];
-            let brings = illumination(light, &self.occluders, &receiver, (seed, i), &mut shadow);
-            sum += patch.share(i, b * brings);
+            let occluders = &self.occluders;
+            let brings = arrived(light, occluders, &receiver, (seed, i), asked, &mut shadow);
+            sum += patch.share(i, b * brings.light);
+            if asked {
+                gradient += patch.gradient_share(i, b, brings.gradient);
+            }
         }
-        (sum, shadow)
+        ((sum, gradient), shadow)
     }
 
     /// What sampled elements bring to a triangle; `salt` keeps the two kinds of samples apart.
@@ -462,11 +540,11 @@ impl Gather<'_> {
         salt: u32,
         patch: &Patch,
         valid: &[u32],
-    ) -> (Arc<[(u32, Share)]>, ShadowsOfEmitters) {
+    ) -> (Shares, ShadowsOfEmitters) {
         if from.tree.leaves.is_empty() {
-            return (Arc::default(), ShadowsOfEmitters::NONE);
+            return (Shares::default(), ShadowsOfEmitters::NONE);
         }
-        let mut sums = Vec::new();
+        let (mut sums, mut gradients) = (Vec::new(), Vec::new());
         let seed = if salt == 0 {
             patch.seed
         } else {
@@ -479,17 +557,24 @@ impl Gather<'_> {
             blocks: patch.samples,
             rays: from.samples,
             seed,
+            gradients: self.settings.directional,
         };
         let shadows = from.light(
             self.elements,
             &self.occluders,
             &group,
-            |k, element, light| {
+            |k, element, brings| {
                 let i = valid[k];
-                add(&mut sums, element, patch.share(i, patch.place(i).0 * light));
+                let b = patch.place(i).0;
+                add(&mut sums, element, patch.share(i, b * brings.light));
+                if group.gradients {
+                    let share = patch.gradient_share(i, b, brings.gradient);
+                    add(&mut gradients, element, share);
+                }
             },
         );
-        (sums.into(), shadows)
+        let gradients = gradients.into_iter().map(|(_, share)| share);
+        ((sums.into(), gradients.collect()), shadows)
     }
 }
 
@@ -512,9 +597,19 @@ impl<'a> GatherBefore<'a> {
     }
 
     /// What a light that is still as it was brought to a triangle.
-    fn light(&self, l: usize, light: &Light, old: &SharpLight, sphere: Sphere) -> Option<Share> {
+    fn light(
+        &self,
+        l: usize,
+        light: &Light,
+        old: &SharpLight,
+        sphere: Sphere,
+    ) -> Option<(Share, GradientShare)> {
+        let before = self.change.light_before[l]?;
         let still = !crosses(&self.change.disturbed, light, sphere);
-        old.lights[self.change.light_before[l]?].filter(|_| still)
+        let share = old.lights[before].filter(|_| still)?;
+        let gradients = old.gradients.as_ref();
+        let gradient = gradients.and_then(|g| g.lights[before]);
+        Some((share, gradient.unwrap_or_default()))
     }
 
     fn sharp_stays(&self, gather: &Gather, old: &SharpLight, sphere: Sphere) -> bool {
@@ -532,6 +627,21 @@ impl<'a> GatherBefore<'a> {
     fn reflectors_stay(&self, gather: &Gather, sphere: Sphere) -> bool {
         let tree = gather.reflectors.tree;
         !self.new_reflectors && !tree.disturbed(&self.change.disturbed, sphere)
+    }
+
+    fn emitters(&self, old: &SharpLight) -> Shares {
+        let gradients = old.gradients.as_ref();
+        let gradients = gradients.map(|g| g.emitters.clone());
+        (self.translate(&old.emitters), gradients.unwrap_or_default())
+    }
+
+    fn reflectors(&self, old: &SharpLight) -> Shares {
+        let gradients = old.gradients.as_ref();
+        let gradients = gradients.map(|g| g.reflectors.clone());
+        (
+            self.translate(&old.reflectors),
+            gradients.unwrap_or_default(),
+        )
     }
 
     fn translate(&self, shares: &Arc<[(u32, Share)]>) -> Arc<[(u32, Share)]> {
@@ -596,6 +706,10 @@ impl Patch<'_> {
     /// Light at sample `i`, times the weights of the corners there, as part of the whole.
     fn share(&self, i: u32, light: Vec3) -> Share {
         Share::of_half(i % 2, light * (self.area / self.samples as f32))
+    }
+
+    fn gradient_share(&self, i: u32, b: Vec3, gradient: Vec3) -> GradientShare {
+        GradientShare::of_half(i % 2, b * (self.area / self.samples as f32), gradient)
     }
 }
 

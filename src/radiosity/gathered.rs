@@ -4,6 +4,7 @@ use std::sync::Arc;
 use glam::{Vec3, Vec3A};
 
 use super::bounds::Reach;
+use super::color::luminance;
 use super::element::Elements;
 use super::emitter::Emitters;
 use super::form_factor::{BLACK, GONE, SKY};
@@ -87,6 +88,16 @@ pub(crate) struct SharpLight {
     pub(crate) emitters: Arc<[(u32, Share)]>,
     /// By element of unit reflected light, of those sampled.
     pub(crate) reflectors: Arc<[(u32, Share)]>,
+    /// Gradients of all these, if they are asked for.
+    pub(crate) gradients: Option<Box<SharpGradients>>,
+}
+
+/// Gradients of [`SharpLight`], in the same order.
+#[derive(Clone, Default)]
+pub(crate) struct SharpGradients {
+    pub(crate) lights: Vec<Option<GradientShare>>,
+    pub(crate) emitters: Arc<[GradientShare]>,
+    pub(crate) reflectors: Arc<[GradientShare]>,
 }
 
 /// Where a triangle is sampled, as the fit needs it.
@@ -119,6 +130,16 @@ impl SamplePlaces {
             grams,
         }
     }
+
+    /// The samples of a triangle, before light is put into them.
+    fn without_light(&self, mesh: &ReceiverMesh, triangle: usize) -> TriangleSamples {
+        let mut samples = TriangleSamples::new(mesh, triangle, self.taken);
+        samples.invalid = self.taken - self.valid.len() as u32;
+        for (half, gram) in samples.halves.iter_mut().zip(self.grams) {
+            half.gram = gram;
+        }
+        samples
+    }
 }
 
 /// Σ w b E over the samples of each half-set, for light that is the same number at all of them.
@@ -140,6 +161,27 @@ impl AddAssign for Share {
     }
 }
 
+/// Σ w b G over the samples of each half-set, by corner: the gradients of a [`Share`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct GradientShare([[Vec3; 3]; 2]);
+
+impl GradientShare {
+    /// Of one sample: `weights` of the corners, and its gradient.
+    pub(crate) fn of_half(half: u32, weights: Vec3, gradient: Vec3) -> Self {
+        let mut share = Self::default();
+        share.0[half as usize] = weights.to_array().map(|b| gradient * b);
+        share
+    }
+}
+
+impl AddAssign for GradientShare {
+    fn add_assign(&mut self, other: Self) {
+        for (sum, other) in self.0.iter_mut().flatten().zip(other.0.iter().flatten()) {
+            *sum += *other;
+        }
+    }
+}
+
 /// What rays from all samples of a triangle met.
 #[derive(Default)]
 pub(crate) struct Bundle {
@@ -156,9 +198,9 @@ pub(crate) struct Bundle {
 #[derive(Clone, Copy)]
 pub(crate) struct Sample {
     /// Weights of the triangle's corners.
-    b: Vec3,
+    pub(crate) b: Vec3,
     /// Rays cast; 0 for a sample inside geometry, which is left out.
-    cast: u32,
+    pub(crate) cast: u32,
     sky: u32,
 }
 
@@ -223,6 +265,7 @@ impl SharpLight {
         self.samples == other.samples
             && sorted(&self.emitters) == sorted(&other.emitters)
             && sorted(&self.reflectors) == sorted(&other.reflectors)
+            && self.gradients.is_some() == other.gradients.is_some()
             && (self.lights.iter().zip(&other.lights))
                 .all(|(a, b)| a == b || a.is_none() || b.is_none())
     }
@@ -233,7 +276,17 @@ impl SharpLight {
             + size_of_val(&*self.samples.valid)
             + size_of_val(&*self.lights)
             + size_of_val(&*self.emitters)
-            + size_of_val(&*self.reflectors)) as u64
+            + size_of_val(&*self.reflectors)
+            + self.gradients.as_ref().map_or(0, |g| g.bytes())) as u64
+    }
+}
+
+impl SharpGradients {
+    fn bytes(&self) -> usize {
+        size_of::<Self>()
+            + size_of_val(&*self.lights)
+            + size_of_val(&*self.emitters)
+            + size_of_val(&*self.reflectors)
     }
 }
 
@@ -242,7 +295,7 @@ impl SharpLight {
 pub(crate) struct TriangleSums {
     /// Σ w b bᵀ over the samples, upper triangle: 00, 01, 02, 11, 12, 22.
     pub(crate) gram: [f32; 6],
-    /// Σ w b E.
+    /// Σ w b E, or of any other vector in the place of the light.
     pub(crate) light: [Vec3; 3],
 }
 
@@ -253,7 +306,7 @@ impl TriangleSums {
         xx + yy + zz + 2.0 * (xy + xz + yz)
     }
 
-    fn add(&mut self, weight: f32, b: Vec3, light: Vec3) {
+    pub(crate) fn add(&mut self, weight: f32, b: Vec3, light: Vec3) {
         add_gram(&mut self.gram, weight, b);
         for k in 0..3 {
             self.light[k] += light * (weight * b[k]);
@@ -287,7 +340,7 @@ pub(crate) struct TriangleSamples {
 }
 
 impl TriangleSamples {
-    fn new(mesh: &ReceiverMesh, triangle: usize, taken: u32) -> Self {
+    pub(crate) fn new(mesh: &ReceiverMesh, triangle: usize, taken: u32) -> Self {
         Self {
             area: area(mesh.corners(triangle)),
             unknowns: mesh.triangles[triangle].map(|v| mesh.unknown[v as usize]),
@@ -329,13 +382,15 @@ impl<'a> Shining<'a> {
 
     /// What leaves a spot that a ray met: all of it, or so much of what its element emits and reflects.
     pub(crate) fn of(&self, spot: Spot, weights: Option<[f32; 2]>) -> Vec3 {
-        let e = spot.element().0 as usize;
         match weights {
             None => self.seen[spot.0 as usize].into(),
-            Some([emitted, reflected]) => {
-                self.elements.emission[e] * emitted + Vec3::from(self.reflected[e]) * reflected
-            }
+            Some(weights) => self.shares(spot.element().0 as usize, weights),
         }
+    }
+
+    /// So much of what an element emits and reflects.
+    fn shares(&self, e: usize, [emitted, reflected]: [f32; 2]) -> Vec3 {
+        self.elements.emission[e] * emitted + Vec3::from(self.reflected[e]) * reflected
     }
 
     /// What is sampled of an element.
@@ -375,6 +430,21 @@ impl<'a> Shining<'a> {
         samples
     }
 
+    /// The luminance that each ray of a bundle brings.
+    pub(crate) fn levels(&self, bundle: &Bundle) -> Vec<f32> {
+        let sky = luminance(self.sky);
+        let level = |&id: &u32| match id {
+            SKY => sky,
+            id => (self.seen.get(id as usize)).map_or(0.0, |&seen| luminance(seen.into())),
+        };
+        let mut levels: Vec<f32> = bundle.ids.iter().map(level).collect();
+        for m in &bundle.met {
+            let light = self.shares(m.element as usize, [m.emitted, m.reflected]);
+            levels[m.ray as usize] = luminance(light);
+        }
+        levels
+    }
+
     /// Light of the spots that rays met, four at a time because one addition takes as long as
     /// four that do not wait for each other.
     fn sum(&self, ids: &[u32]) -> Vec3A {
@@ -397,12 +467,7 @@ impl<'a> Shining<'a> {
         mesh: &ReceiverMesh,
         triangle: usize,
     ) -> TriangleSamples {
-        let places = &light.samples;
-        let mut samples = TriangleSamples::new(mesh, triangle, places.taken);
-        samples.invalid = places.taken - places.valid.len() as u32;
-        for (half, gram) in samples.halves.iter_mut().zip(places.grams) {
-            half.gram = gram;
-        }
+        let mut samples = light.samples.without_light(mesh, triangle);
         let mut add = |share: &Share, color: Vec3| {
             for (half, sum) in samples.halves.iter_mut().zip(share.0) {
                 for k in 0..3 {
@@ -410,12 +475,7 @@ impl<'a> Shining<'a> {
                 }
             }
         };
-        for (share, light) in light.lights.iter().zip(self.lights) {
-            let baked = light.direct == DirectLight::Baked;
-            if let Some(share) = share.as_ref().filter(|_| baked) {
-                add(share, light.power);
-            }
-        }
+        self.of_lights(&light.lights, &mut add);
         for (e, share) in light.emitters.iter() {
             add(share, self.elements.emission[*e as usize]);
         }
@@ -423,5 +483,42 @@ impl<'a> Shining<'a> {
             add(share, self.reflected[*e as usize].into());
         }
         samples
+    }
+
+    /// The gradient of the luminance that [`Self::arrived`] tells of, in the place of the light.
+    pub(crate) fn arrived_gradient(
+        &self,
+        light: &SharpLight,
+        mesh: &ReceiverMesh,
+        triangle: usize,
+    ) -> Option<TriangleSamples> {
+        let gradients = light.gradients.as_ref()?;
+        let mut samples = light.samples.without_light(mesh, triangle);
+        let mut add = |share: &GradientShare, color: Vec3| {
+            let level = luminance(color);
+            for (half, sum) in samples.halves.iter_mut().zip(&share.0) {
+                for (light, sum) in half.light.iter_mut().zip(sum) {
+                    *light += *sum * level;
+                }
+            }
+        };
+        self.of_lights(&gradients.lights, &mut add);
+        for ((e, _), share) in light.emitters.iter().zip(&*gradients.emitters) {
+            add(share, self.elements.emission[*e as usize]);
+        }
+        for ((e, _), share) in light.reflectors.iter().zip(&*gradients.reflectors) {
+            add(share, self.reflected[*e as usize].into());
+        }
+        Some(samples)
+    }
+
+    /// What each light that is baked brings, of its shares.
+    fn of_lights<S>(&self, shares: &[Option<S>], add: &mut impl FnMut(&S, Vec3)) {
+        for (share, light) in shares.iter().zip(self.lights) {
+            let baked = light.direct == DirectLight::Baked;
+            if let Some(share) = share.as_ref().filter(|_| baked) {
+                add(share, light.power);
+            }
+        }
     }
 }

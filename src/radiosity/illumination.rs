@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::emitter::Receiver;
 use super::facet::Facet;
+use super::gradient::Arrived;
 use super::light::{Light, LightKind};
 use super::occlusion::{NO_TRIANGLE, Occluders};
 use super::sampling::sobol;
@@ -51,18 +52,30 @@ pub(crate) fn illumination(
     light: &Light,
     occluders: &Occluders,
     receiver: &Receiver,
-    (seed, index): (u32, u32),
+    place: (u32, u32),
     shadow: &mut Shadow,
 ) -> f32 {
+    arrived(light, occluders, receiver, place, false, shadow).light
+}
+
+/// The same, with its gradient if that is asked for.
+pub(crate) fn arrived(
+    light: &Light,
+    occluders: &Occluders,
+    receiver: &Receiver,
+    place: (u32, u32),
+    gradients: bool,
+    shadow: &mut Shadow,
+) -> Arrived {
     if let LightKind::Rect { .. } = light.kind {
-        return rectangle(light.kind, occluders, receiver, (seed, index), shadow);
+        return rectangle(light.kind, occluders, receiver, place, gradients, shadow);
     }
     let Some(arrival) = arrival(light.kind, receiver.position) else {
-        return 0.0;
+        return Arrived::NOTHING;
     };
     let cosine = receiver.normal.dot(arrival.direction);
     if cosine <= 0.0 || arrival.normal_irradiance == 0.0 {
-        return 0.0;
+        return Arrived::NOTHING;
     }
     let passing = shadow.ray(occluders.transmittance(
         receiver.position,
@@ -70,7 +83,8 @@ pub(crate) fn illumination(
         arrival.distance,
         [receiver.triangle, NO_TRIANGLE],
     ));
-    arrival.normal_irradiance * passing * cosine * FRAC_1_PI
+    let light = arrival.normal_irradiance * passing * cosine * FRAC_1_PI;
+    Arrived::from_direction(light, receiver.normal, arrival.direction, gradients)
 }
 
 /// How a light of power 1 reaches a point.
@@ -137,8 +151,9 @@ fn rectangle(
     occluders: &Occluders,
     receiver: &Receiver,
     (seed, index): (u32, u32),
+    gradients: bool,
     shadow: &mut Shadow,
-) -> f32 {
+) -> Arrived {
     let LightKind::Rect {
         position,
         direction,
@@ -148,19 +163,19 @@ fn rectangle(
         range,
     } = kind
     else {
-        return 0.0;
+        return Arrived::NOTHING;
     };
     let fade = range_falloff(position.distance(receiver.position), range);
     if fade == 0.0 || width * height <= 0.0 {
-        return 0.0;
+        return Arrived::NOTHING;
     }
     let (across, up) = (right * width, direction.cross(right) * height);
     let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
         .map(|(u, v)| position + across * u + up * v);
     let Some(facet) = Facet::new(receiver, corners, direction) else {
-        return 0.0;
+        return Arrived::NOTHING;
     };
-    let (mut seen, mut whole) = (0.0, 0.0);
+    let (mut seen, mut whole) = (Arrived::NOTHING, 0.0);
     for i in index * RECT_RAYS..(index + 1) * RECT_RAYS {
         let [u, v, ..] = sobol(i, 3, seed);
         if let Some(way) = facet.way(receiver.normal, [u, v]) {
@@ -168,12 +183,18 @@ fn rectangle(
             let (from, to) = (receiver.position, way.direction());
             whole += way.brings;
             let passing = occluders.transmittance(from, to, way.distance, skip);
-            seen += way.brings * shadow.ray(passing);
+            let brings = way.brings * shadow.ray(passing);
+            seen += Arrived::from_direction(brings, receiver.normal, to, gradients);
         }
     }
     if whole > 0.0 {
-        facet.factor as f32 * (seen / whole) * fade / (PI * width * height)
+        let light = facet.factor as f32 * (seen.light / whole) * fade / (PI * width * height);
+        let gradient = facet.factor as f32 / whole * fade / (PI * width * height);
+        Arrived {
+            light,
+            gradient: seen.gradient * gradient,
+        }
     } else {
-        0.0
+        Arrived::NOTHING
     }
 }

@@ -45,6 +45,7 @@
 //! | `cut` | surfaces cut where they touch or cross, before all else |
 //! | `receivers`, `refine` | vertices placed by the light: a coarse mesh for smooth light, a fine one inside it |
 //! | `gather`, `gathered`, `fit` | irradiance inside triangles, fitted by vertex values |
+//! | `gradient` | how it changes as the normal turns, for bumps |
 //! | `first_look`, `surroundings` | where elements and rays are needed, by a coarse solution |
 //! | `element_error` | how far off elements of constant light are |
 //! | `sampling_error` | how far off chance leaves the light of elements |
@@ -86,6 +87,11 @@ mod fit;
 mod form_factor;
 mod gather;
 mod gathered;
+mod gradient;
+#[cfg(test)]
+mod gradient_study_test;
+#[cfg(test)]
+mod gradient_test;
 mod grouping;
 mod identity;
 mod illumination;
@@ -127,6 +133,7 @@ pub use baker::Baker;
 pub use element_light::{Element, ElementLight};
 pub use estimate::{Estimate, estimate, estimate_counts};
 pub use form_factor::{FormFactors, point_to_polygon, polygon_to_polygon};
+pub use gradient::{local_gradients, reshade};
 pub use light::{DirectLight, Light, LightKind};
 pub use observer::{Observer, Stage};
 pub use partial::PartialLight;

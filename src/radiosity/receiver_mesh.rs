@@ -53,6 +53,7 @@ impl ReceiverMeshes {
         (self.meshes.iter())
             .map(|mesh| ObjectLight {
                 light: mesh.unknown.iter().map(of).collect(),
+                gradient: Vec::new(),
                 mesh: mesh.result.clone(),
             })
             .collect()

@@ -55,6 +55,9 @@ pub struct BakeSettings {
     /// rays. Without it lamps are left to be found by form factors and gathering rays, the way of
     /// the first radiosity programs, which takes a hundred times as many for the same error.
     pub sample_emitters: bool,
+    /// Whether each vertex also gets the [gradient](super::ObjectLight::gradient) of its light, so that
+    /// bumps can be shaded by it. Takes 10 to 20 % more time, the same rays, and 12 bytes a vertex.
+    pub directional: bool,
     /// How the linear system is solved.
     pub solver: Solver,
     /// The solver stops when the residual's bound on the error, relative to the mean, is below this.
@@ -87,6 +90,7 @@ impl BakeSettings {
         samples_per_vertex: 6.0,
         emitter_rays: 8,
         sample_emitters: true,
+        directional: false,
         solver: Solver::GaussSeidelMeanField,
         solver_tolerance: 1e-2,
         max_sweeps: 100,

@@ -138,6 +138,7 @@ pub(crate) fn light(count: usize) -> ObjectLight {
         light: (0..count)
             .map(|i| Vec3::new(i as f32, 0.5, 100.25))
             .collect(),
+        gradient: Vec::new(),
     }
 }
 

@@ -23,6 +23,7 @@ fn even(light: [f32; 3]) -> ObjectLight {
     ObjectLight {
         mesh: None,
         light: vec![light.into(); 3],
+        gradient: Vec::new(),
     }
 }
 

@@ -6,6 +6,7 @@ mod build;
 mod gltf_attribute;
 mod gltf_broken;
 mod gltf_colors;
+mod gltf_gradient;
 mod gltf_images;
 mod gltf_kept;
 mod gltf_refined;

@@ -4,11 +4,11 @@ use std::time::Duration;
 
 use bevy::diagnostic::{Diagnostic, DiagnosticsStore};
 use bevy::prelude::*;
-use bevy_fresco::plugin::FrescoMaterial;
 use bevy_fresco::plugin::radiosity::{
     BakeFailed, BakeFinished, BakeStarted, BakeState, BakedLighting, CancelBake, NoStaticLighting,
     NotBaked, RadiosityDiagnostics, RadiositySettings, StaticLighting,
 };
+use bevy_fresco::plugin::{ATTRIBUTE_BAKED_LIGHT_GRADIENT, FrescoMaterial};
 use bevy_fresco::radiosity::{BakeSettings, Stage};
 
 use crate::world::{Room, bare_app, difference, is_moved, light, material, mesh, quads, settle};
@@ -19,6 +19,49 @@ fn five_hundred_frames_without_a_scene() {
     for _ in 0..500 {
         app.update();
     }
+}
+
+/// Asked for, meshes say where their light comes from, in their own space; else they do not.
+#[test]
+fn gradients_come_and_go_with_the_setting() {
+    let mut room = Room::new();
+    let turned = Quat::from_rotation_y(0.5);
+    room.edit::<Transform>(room.block, |at| at.rotation = turned);
+    room.world()
+        .resource_mut::<RadiositySettings>()
+        .bake
+        .directional = true;
+    room.settle();
+    let gradients = |room: &Room, entity| -> Option<Vec<[f32; 3]>> {
+        let world = room.app.world();
+        let mesh = world
+            .resource::<Assets<Mesh>>()
+            .get(&world.get::<Mesh3d>(entity)?.0)?;
+        Some(
+            mesh.attribute(ATTRIBUTE_BAKED_LIGHT_GRADIENT)?
+                .as_float3()?
+                .to_vec(),
+        )
+    };
+    let light = room.light(room.block);
+    let found = gradients(&room, room.block).unwrap();
+    assert_eq!(found.len(), light.len());
+    // On top of the block light comes from the middle of the room, towards its −x and from above.
+    let world = room.app.world();
+    let mesh = &world.get::<Mesh3d>(room.block).unwrap().0;
+    let mesh = world.resource::<Assets<Mesh>>().get(mesh).unwrap();
+    let normals = mesh.attribute(Mesh::ATTRIBUTE_NORMAL).unwrap();
+    let normals = normals.as_float3().unwrap();
+    let on_top = (normals.iter().zip(&found)).filter(|(n, _)| n[1] > 0.9);
+    let sum: Vec3 = on_top.map(|(_, g)| turned * Vec3::from(*g)).sum();
+    assert!(sum.y > 0.0 && sum.x < -0.1 * sum.y, "{sum}");
+    room.world()
+        .resource_mut::<RadiositySettings>()
+        .bake
+        .directional = false;
+    room.settle();
+    assert!(gradients(&room, room.block).is_none());
+    assert!(!room.light(room.block).is_empty());
 }
 
 #[test]

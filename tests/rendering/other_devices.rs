@@ -12,8 +12,9 @@ use bevy::render::renderer::RenderAdapter;
 use bevy::render::settings::WgpuFeatures;
 use bevy::shader::{Shader, ShaderCache, ShaderDefVal};
 
+use crate::directional::{normal_map, with_gradient, with_tangents};
 use crate::like_bevys_lightmap::{DEFERRED, method};
-use crate::scenery::{grid, lit, show_fresco};
+use crate::scenery::{add, grid, lit, show_fresco};
 use crate::stage::{Stage, on_stage};
 
 const ARRAYS: [&str; 4] = [
@@ -76,7 +77,14 @@ fn shaders_are_valid_elsewhere() {
                         opaque_render_method: method(deferred),
                         ..default()
                     };
-                    show_fresco(world, lit(grid(), Vec3::ONE), base, default());
+                    show_fresco(world, lit(grid(), Vec3::ONE), base.clone(), default());
+                    let normal_map_texture = Some(add(world, normal_map(&[[128; 4]])));
+                    let base = StandardMaterial {
+                        normal_map_texture,
+                        ..base
+                    };
+                    let mesh = with_tangents(lit(grid(), Vec3::ONE));
+                    show_fresco(world, with_gradient(mesh, Vec3::Z), base, default());
                 },
             );
         }

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use super::{
     glb::{Glb, Numbers},
-    primitive::BAKED_LIGHT,
+    primitive::{BAKED_LIGHT, BAKED_LIGHT_GRADIENT},
 };
 use crate::gltf::accessor_json::{ElementKind, whole};
 
@@ -66,7 +66,7 @@ fn accessor_uses(json: &Value) -> HashMap<usize, Uses> {
                 };
                 let uses = uses.entry(accessor).or_default();
                 match name.as_str() {
-                    BAKED_LIGHT => uses.light += 1,
+                    BAKED_LIGHT | BAKED_LIGHT_GRADIENT => uses.light += 1,
                     _ => uses.other += 1,
                 }
             }

@@ -16,6 +16,7 @@ pub(super) fn mark(
     glb: &mut Glb,
     light_nodes: &[usize],
     options: &ExportOptions,
+    directional: bool,
 ) -> Result<(), GltfError> {
     let direct = match options.direct {
         DirectLight::Baked => "baked",
@@ -27,7 +28,12 @@ pub(super) fn mark(
         "direct": direct,
     });
     match options.encoding {
-        LightEncoding::Attribute => asset["encoding"] = "attribute".into(),
+        LightEncoding::Attribute => {
+            asset["encoding"] = "attribute".into();
+            if directional {
+                asset["directional"] = true.into();
+            }
+        }
         LightEncoding::VertexColors { exposure } => {
             asset["encoding"] = "vertex_colors".into();
             asset["exposure"] = exposure.into();

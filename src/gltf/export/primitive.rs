@@ -4,8 +4,7 @@ use glam::Vec3;
 use serde_json::{Map, Value};
 
 use super::{
-    BakedPrimitive,
-    earlier::EarlierLight,
+    BakedPrimitive, Before,
     glb::{ARRAY_BUFFER, Glb, Numbers, object_mut},
     instances::Target,
     refine,
@@ -18,6 +17,8 @@ use crate::gltf::{
 
 /// The vertex attribute that carries baked light: irradiance / π, linear RGB.
 pub(super) const BAKED_LIGHT: &str = "_BAKED_LIGHT";
+/// The one that carries its gradient.
+pub(super) const BAKED_LIGHT_GRADIENT: &str = "_BAKED_LIGHT_GRADIENT";
 /// The vertex attribute that multiplies the base colour.
 const COLOR: &str = "COLOR_0";
 
@@ -29,7 +30,7 @@ pub(super) fn write_primitive(
     glb: &mut Glb,
     target: Target,
     baked: &BakedPrimitive<'_>,
-    earlier: &EarlierLight,
+    before: &Before,
     painter: Option<&mut Painter>,
 ) -> Result<(), GltfError> {
     let primitive = target.of(&glb.json).clone();
@@ -48,11 +49,16 @@ pub(super) fn write_primitive(
             attributes.retain(|(name, _)| name != COLOR);
             attributes.push((COLOR.to_owned(), colors));
         }
-        if let Some(attributes) = attributes_mut(glb, target) {
-            attributes.shift_remove(BAKED_LIGHT);
-        }
+        remove(glb, target, &[BAKED_LIGHT, BAKED_LIGHT_GRADIENT]);
     } else {
-        write_light(glb, target, earlier, light);
+        write_light(glb, target, before, BAKED_LIGHT, light);
+        let gradient = &baked.light.gradient;
+        if gradient.is_empty() {
+            remove(glb, target, &[BAKED_LIGHT_GRADIENT]);
+        } else {
+            let gradient = before.nodes.to_mesh(glb, baked.key.node, gradient);
+            write_light(glb, target, before, BAKED_LIGHT_GRADIENT, &gradient);
+        }
     }
     for (name, data) in attributes {
         let accessor = push_attribute(glb, &name, &data);
@@ -63,19 +69,27 @@ pub(super) fn write_primitive(
     Ok(())
 }
 
-/// Writes light as an attribute, over that of an earlier bake where it can.
-fn write_light(glb: &mut Glb, target: Target, earlier: &EarlierLight, light: &[Vec3]) {
+fn remove(glb: &mut Glb, target: Target, names: &[&str]) {
+    if let Some(attributes) = attributes_mut(glb, target) {
+        for name in names {
+            attributes.shift_remove(*name);
+        }
+    }
+}
+
+/// Writes light or its gradient as an attribute, over that of an earlier bake where it can.
+fn write_light(glb: &mut Glb, target: Target, before: &Before, name: &str, light: &[Vec3]) {
     let numbers = light.iter().flat_map(|light| light.to_array()).collect();
     let numbers = Numbers::Float(numbers);
-    let old = whole(&target.of(&glb.json)["attributes"], BAKED_LIGHT);
+    let old = whole(&target.of(&glb.json)["attributes"], name);
     if let Ok(Some(old)) = old
-        && earlier.overwrite(glb, old, &numbers)
+        && before.earlier.overwrite(glb, old, &numbers)
     {
         return;
     }
     let accessor = glb.push_accessor(ElementKind::VEC3, &numbers, ARRAY_BUFFER, false);
     if let Some(attributes) = attributes_mut(glb, target) {
-        attributes.insert(BAKED_LIGHT.to_owned(), accessor.into());
+        attributes.insert(name.to_owned(), accessor.into());
     }
 }
 
@@ -90,6 +104,7 @@ pub(super) fn source_attributes(
         let accessor = whole(attributes, name).map_err(|reason| glb.invalid(reason))?;
         if let Some(accessor) = accessor
             && name != BAKED_LIGHT
+            && name != BAKED_LIGHT_GRADIENT
         {
             list.push((name.clone(), accessor));
         }
@@ -149,11 +164,20 @@ fn check_light(glb: &Glb, baked: &BakedPrimitive<'_>, vertices: usize) -> Result
             light.len()
         )));
     }
-    match light.iter().position(|light| !light.is_finite()) {
-        Some(vertex) => Err(glb.refuse(format!(
-            "the light of {key:?} at vertex {vertex} is {}",
-            light[vertex]
-        ))),
-        None => Ok(()),
+    let gradient = &baked.light.gradient;
+    if !gradient.is_empty() && gradient.len() != expected {
+        return Err(glb.refuse(format!(
+            "{key:?} has gradients for {} vertices, not {expected}",
+            gradient.len()
+        )));
     }
+    for (what, values) in [("light", light), ("gradient", gradient)] {
+        if let Some(vertex) = values.iter().position(|value| !value.is_finite()) {
+            return Err(glb.refuse(format!(
+                "the {what} of {key:?} at vertex {vertex} is {}",
+                values[vertex]
+            )));
+        }
+    }
+    Ok(())
 }

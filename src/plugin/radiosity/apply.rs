@@ -8,7 +8,7 @@ use super::components::{BakedLighting, InEffect};
 use super::drive::Bakery;
 use super::job::NewLight;
 use super::settings::RadiositySettings;
-use crate::plugin::ATTRIBUTE_BAKED_LIGHT;
+use crate::plugin::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT};
 
 type Lit<'w, 's> = Query<
     'w,
@@ -131,6 +131,7 @@ fn adopt(meshes: &mut Assets<Mesh>, baked: &mut BakedLighting) {
     let mut source = edited.clone();
     // Fails only if the data is gone, and then there is nothing to take out.
     let _ = source.try_remove_attribute(ATTRIBUTE_BAKED_LIGHT);
+    let _ = source.try_remove_attribute(ATTRIBUTE_BAKED_LIGHT_GRADIENT);
     baked.source = meshes.add(source);
     baked.source_version = version;
     baked.lit_version = version;
@@ -145,10 +146,15 @@ fn show_source(meshes: &mut Assets<Mesh>, shown: &mut Mesh3d, baked: &mut BakedL
         return;
     }
     let light = lit.try_attribute(ATTRIBUTE_BAKED_LIGHT).ok().cloned();
+    let gradient = lit.try_attribute(ATTRIBUTE_BAKED_LIGHT_GRADIENT).ok();
+    let gradient = gradient.cloned();
     match light {
         Some(light) if light.len() == source.count_vertices() => {
             let mut copy = source.clone();
             copy.insert_attribute(ATTRIBUTE_BAKED_LIGHT, light);
+            if let Some(gradient) = gradient {
+                copy.insert_attribute(ATTRIBUTE_BAKED_LIGHT_GRADIENT, gradient);
+            }
             if meshes.insert(baked.lit.id(), copy).is_ok() {
                 baked.lit_version = version;
                 baked.source_version = version;

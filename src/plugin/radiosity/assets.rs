@@ -10,7 +10,8 @@ use bevy::platform::hash::FixedHasher;
 use bevy::prelude::*;
 
 use super::mesh_data::{self, MeshProblem};
-use crate::plugin::{ATTRIBUTE_BAKED_LIGHT, FrescoMaterial};
+use crate::plugin::FrescoMaterial;
+use crate::plugin::attribute::is_baked;
 
 /// What the main thread may spend a frame on copying assets for the bake; what is over waits for the next
 /// frame. One asset a frame is always copied.
@@ -222,7 +223,7 @@ pub(super) fn mesh_version(mesh: &Mesh) -> u64 {
     let mut state = FixedHasher.build_hasher();
     mesh.primitive_topology().hash(&mut state);
     for (attribute, values) in mesh.try_attributes().into_iter().flatten() {
-        if attribute.id != ATTRIBUTE_BAKED_LIGHT.id {
+        if !is_baked(attribute) {
             attribute.id.hash(&mut state);
             std::mem::discriminant::<VertexAttributeValues>(values).hash(&mut state);
             state.write(values.get_bytes());

@@ -15,7 +15,7 @@ use super::scene::{Names, extract};
 use super::settings::RadiositySettings;
 use super::survey::{FoundObject, Survey};
 use super::textures::Textures;
-use crate::radiosity::{BakeError, Baker, ObjectLight, Observer, Report, Stage};
+use crate::radiosity::{BakeError, Baker, ObjectLight, Observer, Report, Stage, local_gradients};
 
 /// What to bake.
 pub(super) struct Order {
@@ -265,11 +265,15 @@ fn new_light(
     if object.fingerprint == Some(fingerprint) {
         return None;
     }
+    // A mesh that is flattened to nothing has no gradient, and nothing to see.
+    let to_world = object.transform.matrix3.as_dmat3();
+    let gradient = local_gradients(to_world, &light.gradient).unwrap_or_default();
     let mesh = lit_mesh(
         &object.mesh.asset,
         triangles,
         light.mesh.as_deref(),
         &light.light,
+        &gradient,
     );
     Some(NewLight {
         entity: object.entity,
@@ -285,7 +289,8 @@ fn fingerprint(object: &FoundObject, light: &ObjectLight) -> u64 {
     let mut state = FixedHasher.build_hasher();
     state.write_u64(object.mesh.version);
     state.write_usize(light.mesh.as_ref().map_or(0, |m| m.triangles.len()));
-    for value in &light.light {
+    state.write_usize(light.gradient.len());
+    for value in light.light.iter().chain(&light.gradient) {
         for channel in value.to_array() {
             state.write_u32(channel.to_bits());
         }

@@ -86,6 +86,7 @@ fn hash_settings(state: &mut impl Hasher, bake: &BakeSettings) {
         samples_per_vertex,
         emitter_rays,
         sample_emitters,
+        directional,
         solver,
         solver_tolerance,
         max_sweeps,
@@ -103,7 +104,8 @@ fn hash_settings(state: &mut impl Hasher, bake: &BakeSettings) {
         seed,
     ];
     counts.hash(state);
-    (form_factors, refine, adapt, sample_emitters, max_memory).hash(state);
+    (form_factors, refine, adapt, sample_emitters, directional).hash(state);
+    max_memory.hash(state);
     std::mem::discriminant(&solver).hash(state);
     if let Solver::Sor { omega } = solver {
         hash_floats(state, &[omega]);

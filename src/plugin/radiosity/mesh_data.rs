@@ -3,7 +3,7 @@ use bevy::mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexAttribut
 use bevy::prelude::*;
 
 use crate::mesh::RefinedMesh;
-use crate::plugin::ATTRIBUTE_BAKED_LIGHT;
+use crate::plugin::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT};
 
 /// The part of a mesh that a bake looks at.
 #[derive(Debug, Default)]
@@ -170,19 +170,27 @@ fn singles<T: Copy>(v: &[T]) -> Vec<[T; 1]> {
     v.iter().map(|&x| [x]).collect()
 }
 
-/// A copy of a mesh that carries light: refined first if the bake did so.
+/// A copy of a mesh that carries light, and its gradient in the space of the mesh if there is one: refined
+/// first if the bake did so.
 pub(super) fn lit_mesh(
     source: &Mesh,
     triangles: &[[u32; 3]],
     refinement: Option<&RefinedMesh>,
     light: &[Vec3],
+    gradient: &[Vec3],
 ) -> Mesh {
     let mut mesh = match refinement {
         None => source.clone(),
         Some(refinement) => refined(source, triangles, refinement),
     };
-    let light: Vec<[f32; 3]> = light.iter().map(Vec3::to_array).collect();
-    mesh.insert_attribute(ATTRIBUTE_BAKED_LIGHT, light);
+    let arrays = |values: &[Vec3]| -> Vec<[f32; 3]> { values.iter().map(Vec3::to_array).collect() };
+    mesh.insert_attribute(ATTRIBUTE_BAKED_LIGHT, arrays(light));
+    if gradient.is_empty() {
+        // The source may have been loaded with one.
+        mesh.remove_attribute(ATTRIBUTE_BAKED_LIGHT_GRADIENT);
+    } else {
+        mesh.insert_attribute(ATTRIBUTE_BAKED_LIGHT_GRADIENT, arrays(gradient));
+    }
     mesh
 }
 

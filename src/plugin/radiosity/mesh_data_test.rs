@@ -9,7 +9,7 @@ use bevy::render::render_resource::VertexFormat;
 
 use super::mesh_data::{MeshProblem, lit_mesh, read};
 use crate::mesh::split_long_edges;
-use crate::plugin::ATTRIBUTE_BAKED_LIGHT;
+use crate::plugin::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT};
 
 /// A unit square in the plane z = 0.
 fn square(topology: PrimitiveTopology) -> Mesh {
@@ -110,10 +110,11 @@ fn attributes_follow_a_refined_mesh() {
     let data = read(&mesh).unwrap();
     let refined = split_long_edges(&data.positions, &data.triangles, 0.3, 1000).unwrap();
     let light = vec![Vec3::X; refined.vertices.len()];
-    let lit = lit_mesh(&mesh, &data.triangles, Some(&refined), &light);
+    let lit = lit_mesh(&mesh, &data.triangles, Some(&refined), &light, &light);
     assert_eq!(lit.primitive_topology(), PrimitiveTopology::TriangleList);
     assert_eq!(lit.count_vertices(), refined.vertices.len());
     assert!(lit.contains_attribute(ATTRIBUTE_BAKED_LIGHT));
+    assert!(lit.contains_attribute(ATTRIBUTE_BAKED_LIGHT_GRADIENT));
     let again = read(&lit).unwrap();
     assert_eq!(again.triangles.len(), refined.triangles.len());
     for (position, uv) in again.positions.iter().zip(&again.uvs[0]) {
@@ -134,7 +135,7 @@ fn attributes_follow_a_refined_mesh() {
 fn an_unrefined_mesh_is_kept_as_it_is() {
     let mesh = square(PrimitiveTopology::TriangleStrip);
     let data = read(&mesh).unwrap();
-    let lit = lit_mesh(&mesh, &data.triangles, None, &[Vec3::ONE; 4]);
+    let lit = lit_mesh(&mesh, &data.triangles, None, &[Vec3::ONE; 4], &[]);
     assert_eq!(lit.primitive_topology(), PrimitiveTopology::TriangleStrip);
     assert_eq!(lit.with_removed_attribute(ATTRIBUTE_BAKED_LIGHT), mesh);
 }

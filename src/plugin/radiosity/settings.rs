@@ -77,6 +77,7 @@ pub struct BakeSettingsReflect {
     pub samples_per_vertex: f32,
     pub emitter_rays: u32,
     pub sample_emitters: bool,
+    pub directional: bool,
     #[reflect(remote = SolverReflect)]
     pub solver: Solver,
     pub solver_tolerance: f32,

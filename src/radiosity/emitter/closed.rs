@@ -1,3 +1,5 @@
+use std::ops::AddAssign;
+
 use glam::Vec3;
 
 use super::{Emitters, Group, Light, Receiver, ShadowsOfEmitters};
@@ -5,6 +7,7 @@ use crate::radiosity::direct::add;
 use crate::radiosity::element::Elements;
 use crate::radiosity::emitter_tree::Leaf;
 use crate::radiosity::facet::{Facet, Way};
+use crate::radiosity::gradient::{Arrived, gradient_of};
 use crate::radiosity::illumination::Shadow;
 use crate::radiosity::occlusion::{OFFSET, Occluders};
 use crate::radiosity::sampling::{hash, sobol};
@@ -63,12 +66,25 @@ struct Sight {
     facets: Vec<(usize, Facet)>,
     factor: f64,
     whole: f64,
-    seen: Vec<(u32, f64)>,
+    seen: Vec<(u32, Seen)>,
+}
+
+/// `Σ w V`, and the same times the gradient of each way, if that is asked for.
+struct Seen {
+    light: f64,
+    gradient: Vec3,
+}
+
+impl AddAssign for Seen {
+    fn add_assign(&mut self, other: Self) {
+        self.light += other.light;
+        self.gradient += other.gradient;
+    }
 }
 
 impl Closed<'_> {
     /// Tells `found` the light of each lamp's elements at each receiver.
-    pub(super) fn light(&self, found: &mut impl FnMut(usize, u32, f32)) -> ShadowsOfEmitters {
+    pub(super) fn light(&self, found: &mut impl FnMut(usize, u32, Arrived)) -> ShadowsOfEmitters {
         let leaves = &self.emitters.tree.leaves;
         let lamps = leaves.chunk_by(Leaf::is_one_lamp_with);
         let mut lamps: Vec<Lamp> = (0..)
@@ -85,9 +101,11 @@ impl Closed<'_> {
             shadows.rays += lamp.shadow.rays;
             shadows.calm &= lamp.shadow.agreed().is_some();
             for (k, sight) in lamp.sights.iter().enumerate() {
-                for &(e, seen) in &sight.seen {
-                    let light = sight.factor * seen / sight.whole;
-                    found(k, e, light as f32 * self.elements.coverage[e as usize]);
+                for (e, seen) in &sight.seen {
+                    let light = (sight.factor * seen.light / sight.whole) as f32;
+                    let gradient = seen.gradient * (sight.factor / sight.whole) as f32;
+                    let arrived = Arrived { light, gradient };
+                    found(k, *e, arrived * self.elements.coverage[*e as usize]);
                 }
             }
         }
@@ -160,7 +178,12 @@ impl Closed<'_> {
                 };
                 let passing =
                     known.unwrap_or_else(|| lamp.shadow.ray(self.passing(receiver, leaf, &way)));
-                add(&mut sight.seen, element, weight * f64::from(passing));
+                let light = weight * f64::from(passing);
+                let mut gradient = Vec3::ZERO;
+                if self.group.gradients && light > 0.0 {
+                    gradient = gradient_of(receiver.normal, way.direction()) * light as f32;
+                }
+                add(&mut sight.seen, element, Seen { light, gradient });
             }
         }
     }

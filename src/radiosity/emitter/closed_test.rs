@@ -7,6 +7,7 @@ use crate::radiosity::bvh::BvhQuality;
 use crate::radiosity::element::{ElementId, Elements};
 use crate::radiosity::emitter_tree::EmitterTree;
 use crate::radiosity::form_factor::{clip, point_to_polygon};
+use crate::radiosity::gradient::Arrived;
 use crate::radiosity::layout::Layout;
 use crate::radiosity::occlusion::{Hierarchy, Holds, NO_TRIANGLE, OFFSET, Occluders};
 use crate::radiosity::scene::{
@@ -76,10 +77,11 @@ impl Stage<'_> {
             blocks: receivers.len() as u32,
             rays,
             seed,
+            gradients: false,
         };
         let mut light = vec![0.0; receivers.len()];
-        let found = |k: usize, e: u32, share: f32| {
-            light[k] += f64::from(share * self.elements.emission[e as usize].x);
+        let found = |k: usize, e: u32, share: Arrived| {
+            light[k] += f64::from(share.light * self.elements.emission[e as usize].x);
         };
         let traced = emitters
             .light(self.elements, &self.occluders, &group, found)

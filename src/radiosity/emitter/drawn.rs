@@ -16,8 +16,8 @@ use crate::radiosity::sampling::{sobol, triangle as triangle_point};
 /// far from it the samples.
 impl Emitters<'_> {
     /// Samples the light of emitters at a receiver, with the samples `indices` of the sequence
-    /// `seed`: `found` is told of elements and how much of their light arrives (irradiance / π of
-    /// unit radiance, the mean over the samples). Returns how many shadow rays that took.
+    /// `seed`: `found` is told of elements, how much of their light arrives (irradiance / π of unit
+    /// radiance, the mean over the samples) and from where. Returns how many shadow rays that took.
     pub(super) fn sample(
         &self,
         elements: &Elements,
@@ -25,7 +25,7 @@ impl Emitters<'_> {
         receiver: &Receiver,
         seed: u32,
         indices: Range<u32>,
-        mut found: impl FnMut(u32, f32),
+        mut found: impl FnMut(u32, f32, Vec3),
     ) -> u64 {
         let choices = Choices::new(self.tree, receiver);
         if choices.is_empty() {
@@ -50,7 +50,7 @@ impl Emitters<'_> {
                 [receiver.triangle, leaf.triangle],
             );
             if passing > 0.0 {
-                found(sent.element, sent.light * passing / count);
+                found(sent.element, sent.light * passing / count, sent.direction);
             }
         }
         traced

@@ -15,6 +15,7 @@ use glam::Vec3;
 
 use super::element::{ElementId, Elements};
 use super::emitter_tree::EmitterTree;
+use super::gradient::Arrived;
 use super::occlusion::{Hit, Occluders};
 use super::settings::BakeSettings;
 
@@ -61,6 +62,8 @@ pub(crate) struct Group<'g> {
     /// Shadow rays of a receiver.
     pub(crate) rays: u32,
     pub(crate) seed: u32,
+    /// Whether gradients are asked for.
+    pub(crate) gradients: bool,
 }
 
 /// What shadow rays to emitters found.
@@ -134,14 +137,13 @@ impl<'a> Emitters<'a> {
     }
 
     /// The light of emitters at a group of receivers: `found` is told of receivers, elements and how
-    /// much of their light arrives (irradiance / π of unit radiance). Returns what shadow rays that
-    /// took.
+    /// much of their light arrives (of unit radiance). Returns what shadow rays that took.
     pub(crate) fn light(
         &self,
         elements: &Elements,
         occluders: &Occluders,
         group: &Group,
-        mut found: impl FnMut(usize, u32, f32),
+        mut found: impl FnMut(usize, u32, Arrived),
     ) -> ShadowsOfEmitters {
         if self.tree.few() {
             let closed = Closed {
@@ -161,8 +163,14 @@ impl<'a> Emitters<'a> {
                 receiver,
                 group.seed,
                 samples,
-                |e, light| {
-                    found(k, e, light);
+                |e, light, direction| {
+                    let asked = group.gradients;
+                    let normal = receiver.normal;
+                    found(
+                        k,
+                        e,
+                        Arrived::from_direction(light, normal, direction, asked),
+                    );
                 },
             );
         }

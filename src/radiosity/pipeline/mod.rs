@@ -188,7 +188,7 @@ impl<'a> Run<'a> {
             self.settings.gather_rays,
         );
         let bake = |run: &Run, pass: &Pass| Bake {
-            objects: pass.receivers.fine.object_light(&pass.fitted.light),
+            objects: pass.objects(&lit_from_behind),
             report: run.findings(&solved).report(Some(&VertexFindings {
                 pass,
                 lit_from_behind: &lit_from_behind,

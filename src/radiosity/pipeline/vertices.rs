@@ -3,9 +3,10 @@ use std::time::Instant;
 
 use super::{Pass, Run, Solved};
 use crate::radiosity::bake::BakeError;
+use crate::radiosity::baked::ObjectLight;
 use crate::radiosity::element::{Elements, SEEN_FROM_BEHIND};
 use crate::radiosity::emitter_tree::{EmitterTree, Leaf};
-use crate::radiosity::fit::{Fit, Samples, fit};
+use crate::radiosity::fit::{Fit, Samples, fit, fit_gradient};
 use crate::radiosity::form_factor::GONE;
 use crate::radiosity::gather::{Density, Gather, GatherBefore, GatherCost, Validity, density};
 use crate::radiosity::gathered::{
@@ -64,6 +65,8 @@ pub(crate) struct Inside {
 pub(crate) struct SmoothInside {
     bundles: Arc<ByTriangle<Arc<Bundle>>>,
     pub(crate) samples: Vec<TriangleSamples>,
+    /// The same of its gradient; empty if that is not asked for.
+    pub(crate) gradients: Vec<TriangleSamples>,
     met: ByTriangle<Met>,
 }
 
@@ -71,12 +74,18 @@ pub(crate) struct SmoothInside {
 pub(crate) struct SharpInside {
     light: Arc<ByTriangle<SharpLight>>,
     pub(crate) samples: Vec<TriangleSamples>,
+    /// The same of its gradient; empty if that is not asked for.
+    pub(crate) gradients: Vec<TriangleSamples>,
 }
 
 impl Inside {
     /// Of the samples as the fit takes them.
     pub(crate) fn bytes(&self) -> u64 {
-        (size_of_val(&*self.smooth.samples) + size_of_val(&*self.sharp.samples)) as u64
+        let (smooth, sharp) = (&self.smooth, &self.sharp);
+        (size_of_val(&*smooth.samples)
+            + size_of_val(&*smooth.gradients)
+            + size_of_val(&*sharp.samples)
+            + size_of_val(&*sharp.gradients)) as u64
     }
 
     pub(super) fn gathered(&self) -> Gathered {
@@ -84,6 +93,24 @@ impl Inside {
             bundles: self.smooth.bundles.clone(),
             sharp: self.sharp.light.clone(),
         }
+    }
+}
+
+impl Pass {
+    /// The light of objects; the gradient of what is lit from behind is turned to the front.
+    pub(super) fn objects(&self, lit_from_behind: &[bool]) -> Vec<ObjectLight> {
+        let meshes = &self.receivers.fine;
+        let mut objects = meshes.object_light(&self.fitted.light);
+        for ((object, mesh), behind) in objects.iter_mut().zip(&meshes.meshes).zip(lit_from_behind)
+        {
+            let Some(gradient) = &self.fitted.gradient else {
+                break;
+            };
+            let side = if *behind { -1.0 } else { 1.0 };
+            let of = |u: &u32| gradient[*u as usize] * side;
+            object.gradient = mesh.unknown.iter().map(of).collect();
+        }
+        objects
     }
 }
 
@@ -285,17 +312,22 @@ impl Run<'_> {
                     let mesh = &meshes[o];
                     let bundle = gather.bundle(mesh, o, t, before.as_ref(), &mut rays);
                     let samples = shining.gathered(&bundle, mesh, t);
+                    let gradient = (run.settings.directional)
+                        .then(|| gather.gathered_gradient(&bundle, mesh, o, t, shining));
                     let met = Met::new(&bundle, same_samples && receivers.is_same(o));
-                    (samples, met, run.start.remember.then_some(bundle))
+                    let bundle = run.start.remember.then_some(bundle);
+                    (samples, gradient, met, bundle)
                 });
                 (each.collect::<Vec<_>>(), rays)
             })?;
             let (mut bundles, mut met) = (ByTriangle::of(meshes), ByTriangle::of(meshes));
             let mut samples = Vec::with_capacity(list.len());
+            let mut gradients = Vec::new();
             for (each, rays) in chunks {
                 run.work.gather_rays += rays;
-                for (sample, m, bundle) in each {
+                for (sample, gradient, m, bundle) in each {
                     samples.push(sample);
+                    gradients.extend(gradient);
                     met.list.push(m);
                     bundles.list.extend(bundle);
                 }
@@ -303,6 +335,7 @@ impl Run<'_> {
             Ok(SmoothInside {
                 bundles: bundles.into(),
                 samples,
+                gradients,
                 met,
             })
         })
@@ -328,24 +361,28 @@ impl Run<'_> {
                     let validity = met.at(o, receivers.coarse_triangle(o, t)).validity();
                     let light = gather.sharp(mesh, o, t, validity, before.as_ref(), &mut cost);
                     let samples = shining.arrived(&light, mesh, t);
-                    (samples, run.start.remember.then_some(light))
+                    let gradient = shining.arrived_gradient(&light, mesh, t);
+                    (samples, gradient, run.start.remember.then_some(light))
                 });
                 (each.collect::<Vec<_>>(), cost)
             })?;
             let mut light = ByTriangle::of(meshes);
             let mut samples = Vec::with_capacity(list.len());
+            let mut gradients = Vec::new();
             for (each, cost) in chunks {
                 run.work.gather_rays += cost.rays;
                 run.work.light_rays += cost.shadow.lights;
                 run.work.emitter_rays += cost.shadow.emitters;
-                for (sample, l) in each {
+                for (sample, gradient, l) in each {
                     samples.push(sample);
+                    gradients.extend(gradient);
                     light.list.extend(l);
                 }
             }
             Ok(SharpInside {
                 light: light.into(),
                 samples,
+                gradients,
             })
         })
     }
@@ -395,7 +432,16 @@ impl Run<'_> {
                 smooth: &inside.smooth.samples,
                 sharp: &inside.sharp.samples,
             };
-            let fitted = fit(&samples, receivers, seams, known, &|| !observer.cancelled())?;
+            let go_on = || !observer.cancelled();
+            let mut fitted = fit(&samples, receivers, seams, known, &go_on)?;
+            if run.settings.directional {
+                let gradients = Samples {
+                    smooth: &inside.smooth.gradients,
+                    sharp: &inside.sharp.gradients,
+                };
+                fitted.gradient =
+                    Some(fit_gradient(&gradients, receivers, seams, &fitted, &go_on)?);
+            }
             run.work.fits += 1;
             run.work.cross_validations += u64::from(known.is_none());
             Ok(fitted)

@@ -231,6 +231,7 @@ mod tests {
                 objects: vec![ObjectLight {
                     mesh: Some(mesh.into()),
                     light,
+                    gradient: Vec::new(),
                 }],
                 ..Bake::default()
             };

@@ -4,6 +4,7 @@ use crate::radiosity::direct::shines;
 use crate::radiosity::emitter::{Emitters, Group, Receiver};
 use crate::radiosity::gather::{Gather, Place};
 use crate::radiosity::gathered::Shining;
+use crate::radiosity::gradient::Arrived;
 use crate::radiosity::illumination::{Shadow, illumination};
 use crate::radiosity::kind::Kind;
 use crate::radiosity::light::{DirectLight, Light, LightKind};
@@ -202,9 +203,10 @@ impl<'a> Probe<'a> {
                 blocks: 1,
                 rays: self.shadow_rays(from),
                 seed,
+                gradients: false,
             };
-            let brings = |k: usize, e, light: f32| {
-                sums[k] += self.shining.sampled(from, e) * light;
+            let brings = |k: usize, e, arrived: Arrived| {
+                sums[k] += self.shining.sampled(from, e) * arrived.light;
             };
             *traced += from
                 .light(gather.elements, &gather.occluders, &group, brings)
