@@ -21,11 +21,14 @@
 //! |---|---|
 //! | `map` | the map: texels, how it goes on beyond its border, errors |
 //! | `kernel` | heights and slopes between texels |
+//! | `pyramid` | smaller and smaller, with what slopes vary by |
 
 mod kernel;
 #[cfg(test)]
 mod kernel_test;
 mod map;
+mod pyramid;
 
 pub use kernel::{Kernel, Relief};
 pub use map::{HeightMap, HeightMapError, Wrap};
+pub use pyramid::{Level, Moments, Pyramid};
