@@ -112,6 +112,8 @@ impl Stage {
         });
         app.finish();
         app.cleanup();
+        // Puts the shaders into their place.
+        app.update();
         Self { app, size: SIZE }
     }
 

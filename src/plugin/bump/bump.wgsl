@@ -58,17 +58,13 @@ fn surface_gradient(along: Dual, changes: vec2<f32>) -> vec3<f32> {
 
 // `gradient`, not steeper than can be shown, and nothing if it is no number.
 fn clamped(gradient: vec3<f32>) -> vec3<f32> {
-    let most = longest(gradient);
-    // Written so that what is no number fails it.
-    if !(most < HUGE) || !(gradient.x == gradient.x && gradient.y == gradient.y && gradient.z == gradient.z) {
-        return vec3(0.0);
-    }
-    if most < MAX_SLOPE * 0.5 {
-        return gradient;
-    }
-    let direction = gradient / most;
+    // Written so that what is no number fails it, component by component.
+    let is_number = all(abs(gradient) < vec3(HUGE));
+    let known = select(vec3(0.0), gradient, is_number);
+    let most = max(longest(known), 1e-30);
+    let direction = known / most;
     let size = length(direction);
-    return direction * (min(most * size, MAX_SLOPE) / size);
+    return direction * min(most, MAX_SLOPE / max(size, 1e-30));
 }
 
 // Normal of a surface raised by a height of this gradient.
@@ -156,18 +152,26 @@ fn past_texels_slope(t: f32) -> vec4<f32> {
     return 0.5 * vec4(-r * r, 3.0 * t2 - 4.0 * t, -3.0 * t2 + 2.0 * t + 1.0, t2);
 }
 
-// Where a texel beyond the border of `n` is taken from.
-fn inside(i: i32, n: i32, repeats: bool) -> i32 {
-    if repeats {
-        let rest = i % n;
-        return select(rest, rest + n, rest < 0);
-    }
-    return clamp(i, 0, n - 1);
+// Where texels beyond the border of `n` are taken from.
+fn inside(i: vec4<i32>, n: i32, repeats: bool) -> vec4<i32> {
+    let rest = i % n;
+    let repeated = select(rest, rest + n, rest < vec4(0));
+    return select(clamp(i, vec4(0), vec4(n - 1)), repeated, repeats);
 }
 
 // Heights are kept as the sum of two half floats: one alone has steps that show.
 fn height_of(texel: vec4<f32>) -> f32 {
     return texel.x + texel.y;
+}
+
+// Four texels of a row.
+fn row_of(heights: texture_2d<f32>, columns: vec4<i32>, y: i32) -> vec4<f32> {
+    return vec4(
+        height_of(textureLoad(heights, vec2(columns.x, y), 0)),
+        height_of(textureLoad(heights, vec2(columns.y, y), 0)),
+        height_of(textureLoad(heights, vec2(columns.z, y), 0)),
+        height_of(textureLoad(heights, vec2(columns.w, y), 0)),
+    );
 }
 
 // Height and slopes between texels by a cubic, for magnified maps.
@@ -176,35 +180,22 @@ fn cubic_relief(heights: texture_2d<f32>, uv: vec2<f32>, repeats: vec2<bool>, sm
     let place = uv * vec2<f32>(size) - 0.5;
     let first = vec2<i32>(floor(place));
     let t = place - floor(place);
-    var across = through_texels(t.x);
-    var down = through_texels(t.y);
-    var across_slope = through_texels_slope(t.x);
-    var down_slope = through_texels_slope(t.y);
-    if smoothed {
-        across = past_texels(t.x);
-        down = past_texels(t.y);
-        across_slope = past_texels_slope(t.x);
-        down_slope = past_texels_slope(t.y);
-    }
-    var columns: array<i32, 4>;
-    for (var i = 0; i < 4; i++) {
-        columns[i] = inside(first.x + i - 1, size.x, repeats.x);
-    }
-    var relief = Relief(0.0, vec2(0.0), vec2(0.0));
-    for (var j = 0; j < 4; j++) {
-        let y = inside(first.y + j - 1, size.y, repeats.y);
-        let row = vec4(
-            height_of(textureLoad(heights, vec2(columns[0], y), 0)),
-            height_of(textureLoad(heights, vec2(columns[1], y), 0)),
-            height_of(textureLoad(heights, vec2(columns[2], y), 0)),
-            height_of(textureLoad(heights, vec2(columns[3], y), 0)),
-        );
-        let height = dot(row, across);
-        relief.height += down[j] * height;
-        relief.slopes += vec2(down[j] * dot(row, across_slope), down_slope[j] * height);
-    }
-    relief.slopes *= vec2<f32>(size);
-    return relief;
+    let across = select(through_texels(t.x), past_texels(t.x), smoothed);
+    let down = select(through_texels(t.y), past_texels(t.y), smoothed);
+    let across_slope = select(through_texels_slope(t.x), past_texels_slope(t.x), smoothed);
+    let down_slope = select(through_texels_slope(t.y), past_texels_slope(t.y), smoothed);
+    let columns = inside(first.x + vec4(-1, 0, 1, 2), size.x, repeats.x);
+    let rows = inside(first.y + vec4(-1, 0, 1, 2), size.y, repeats.y);
+    // One column of texels each.
+    let texels = mat4x4(
+        row_of(heights, columns, rows.x),
+        row_of(heights, columns, rows.y),
+        row_of(heights, columns, rows.z),
+        row_of(heights, columns, rows.w),
+    );
+    let by_row = across * texels;
+    let slopes = vec2(dot(across_slope * texels, down), dot(by_row, down_slope));
+    return Relief(dot(by_row, down), slopes * vec2<f32>(size), vec2(0.0));
 }
 
 // Slopes and their variance from means and mean squares, of which `steepest` is the unit.

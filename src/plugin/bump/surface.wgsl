@@ -150,25 +150,22 @@ fn sample_slopes(slopes: texture_2d<f32>, by: sampler, one: Bump, uv: Coordinate
 
 // Adds a bump: `relief` at `uv`.
 fn add(sum: Sum, one: Bump, relief: bump::Relief, uv: Coordinates) -> Sum {
-    var total = sum;
-    var scale = one.row_u.w;
-    if one.row_v.w == IN_UV {
-        // How long a unit of the map's coordinates is on the surface.
-        scale *= sqrt(2.0 / max(dot(uv.by_u, uv.by_u) + dot(uv.by_v, uv.by_v), 1e-30));
-    }
+    let in_mesh = one.row_v.w == IN_MESH;
+    let in_uv = one.row_v.w == IN_UV;
+    // How long a unit of the map's coordinates is on the surface.
+    let width = sqrt(2.0 / max(dot(uv.by_u, uv.by_u) + dot(uv.by_v, uv.by_v), 1e-30));
+    let scale = one.row_u.w * select(1.0, width, in_uv);
     let gradient = scale * (relief.slopes.x * uv.by_u + relief.slopes.y * uv.by_v);
     let height = scale * relief.height;
     let variance = scale * scale * bump::slope_variance(relief.variance, uv.by_u, uv.by_v);
-    if one.row_v.w == IN_MESH {
-        total.mesh += gradient;
-        total.height_mesh += height;
-        total.variance_mesh += variance;
-    } else {
-        total.world += gradient;
-        total.height_world += height;
-        total.variance_world += variance;
-    }
-    return total;
+    return Sum(
+        sum.mesh + select(vec3(0.0), gradient, in_mesh),
+        sum.world + select(gradient, vec3(0.0), in_mesh),
+        sum.height_mesh + select(0.0, height, in_mesh),
+        sum.height_world + select(height, 0.0, in_mesh),
+        sum.variance_mesh + select(0.0, variance, in_mesh),
+        sum.variance_world + select(variance, 0.0, in_mesh),
+    );
 }
 
 #ifdef FRESCO_MAIN_BUMP
@@ -176,7 +173,9 @@ fn sample_bump(uv: Coordinates) -> bump::Relief {
     let one = fresco.main_bump;
     var relief = sample_slopes(bump_slopes, bump_sampler, one, uv);
     let magnified = bump::magnified(uv.dx, uv.dy, one.size.xy);
-    if magnified > 0.0 {
+    // The first condition always holds. It stands there for Mesa 22.3's lavapipe, which crashes on conditions
+    // in which it finds uniforms before it finds something else.
+    if abs(relief.slopes.x) < bump::HUGE && magnified > 0.0 {
         let bits = u32(one.size.w);
         let repeats = vec2((bits & REPEATS_U) != 0u, (bits & REPEATS_V) != 0u);
         let cubic = bump::cubic_relief(bump_heights, uv.at, repeats, (bits & SMOOTHED) != 0u);

@@ -120,7 +120,8 @@ fn maps_of_any_size_are_right() {
             stage.shoot(
                 |_| (),
                 |world| {
-                    let waves = bump(world, waves_map(size), BumpHeight::World(0.15));
+                    let map = waves_map(size).with_anisotropy(8);
+                    let waves = bump(world, map, BumpHeight::World(0.15));
                     show(world, grid(), default(), Some(waves), default());
                 },
             )

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy::reflect::TypePath;
 use bevy::render::render_resource::AsBindGroup;
 use bevy::render::view::Msaa;
-use ShaderRef;
+use bevy::shader::{Shader, ShaderRef};
 use bevy_fresco::plugin::bump::{BumpHeight, insert_uv_gradients};
 
 use super::{bump, degrees, error, normal, on_plane, show, waves_map, waves_on_grid};
