@@ -12,7 +12,7 @@ use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
-use bevy_fresco::plugin::radiosity::RadiosityStatus;
+use bevy_fresco::plugin::radiosity::{RadiosityStatus, StaticLighting};
 
 /// Frames between the light being there and the picture: pipelines and shadow maps settle.
 const SETTLE: u32 = 30;
@@ -93,8 +93,13 @@ fn aim(shot: Res<Shot>, mut cameras: Query<(&mut RenderTarget, &mut Projection)>
     }
 }
 
-fn shoot(mut commands: Commands, mut shot: ResMut<Shot>, status: Res<RadiosityStatus>) {
-    if !status.is_up_to_date() {
+fn shoot(
+    mut commands: Commands,
+    mut shot: ResMut<Shot>,
+    status: Res<RadiosityStatus>,
+    baked: Query<(), With<StaticLighting>>,
+) {
+    if !baked.is_empty() && !status.is_up_to_date() {
         shot.settled = 0;
         return;
     }

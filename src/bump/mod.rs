@@ -50,7 +50,11 @@
 //! | file | what it does |
 //! |---|---|
 //! | `gradient` | gradients per triangle or from any two steps, and normals from them |
+//! | `vertices` | gradients of texture coordinates at the vertices of a mesh |
+//! | `roughness` | what slopes too small to be seen do to highlights |
 //! | `blinn` | the formula as it stands above, for comparison |
+//!
+//! The shader does the same (`src/plugin/bump/bump.wgsl`); tests compare the two.
 
 mod blinn;
 mod gradient;
@@ -58,8 +62,12 @@ mod gradient;
 mod gradient_test;
 #[cfg(test)]
 mod normal_map_test;
+mod roughness;
+mod vertices;
 
 pub use blinn::blinn_normal;
 pub use gradient::{
     MAX_SLOPE, Steps, bumped_normal, displaced_normal, surface_gradient, uv_gradients,
 };
+pub use roughness::{roughened, slope_variance};
+pub use vertices::vertex_uv_gradients;

@@ -2,6 +2,7 @@ use thiserror::Error;
 
 /// How a map goes on beyond its border.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(serde::Serialize, serde::Deserialize))]
 pub enum Wrap {
     /// Again and again: what tiles.
     #[default]

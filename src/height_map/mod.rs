@@ -47,6 +47,7 @@
 //! | `components` | groups of texels that hang together |
 //! | `warning` | what is told about it |
 //! | `slopes` | derivative maps and normal maps |
+//! | `pyramid` | smaller and smaller, with what slopes vary by |
 
 mod albedo;
 #[cfg(test)]
@@ -69,6 +70,7 @@ mod photo;
 mod prepare;
 #[cfg(test)]
 mod prepare_test;
+mod pyramid;
 mod raster;
 mod slopes;
 #[cfg(test)]
@@ -80,6 +82,7 @@ pub use kernel::{Kernel, Relief};
 pub use map::{HeightMap, HeightMapError, Wrap};
 pub use photo::{Encoding, Photo};
 pub use prepare::{PrepareError, PrepareSettings, Prepared, prepare, prepare_data};
+pub use pyramid::{Level, Moments, Pyramid};
 pub use raster::{Precision, Raster, RasterError, Texels};
 pub use slopes::{
     Green, NormalMapSettings, decode_normal, derivative_map, encode_normal, normal_map,

@@ -1,5 +1,5 @@
-// Bevy's fragment shader (bevy_pbr 0.19.1, render/pbr.wgsl) with baked light in the place of a
-// lightmap, for the forward and the deferred pass.
+// Bevy's fragment shader (bevy_pbr 0.19.1, render/pbr.wgsl) with relief, and with baked light in the
+// place of a lightmap, for the forward and the deferred pass.
 //
 // `bevy_fresco::pbr_functions` is Bevy's `pbr_functions`, lighting as if there were a lightmap
 // without one being bound: see `shaders.rs`.
@@ -21,7 +21,16 @@
     forward_io::{VertexOutput, FragmentOutput},
     pbr_functions::main_pass_post_lighting_processing,
 }
+#ifdef FRESCO_BAKED_LIGHT
 #import bevy_fresco::pbr_functions::apply_pbr_lighting
+#else
+#import bevy_pbr::pbr_functions::apply_pbr_lighting
+#endif
+#endif
+
+#import bevy_fresco::bump_surface::fresco
+#ifdef FRESCO_BUMP
+#import bevy_fresco::{bump, bump_surface::raise}
 #endif
 
 #ifdef VERTEX_BAKED_LIGHT_GRADIENT
@@ -36,19 +45,19 @@
 #import bevy_core_pipeline::oit::oit_draw
 #endif
 
-struct Fresco {
-    // x: gain of baked light.
-    params: vec4<f32>,
-}
-@group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> fresco: Fresco;
-
 @fragment
 fn fragment(
     in: VertexOutput,
     @builtin(front_facing) is_front: bool,
+#ifdef VERTEX_BAKED_LIGHT
     @location(10) baked_light: vec3<f32>,
 #ifdef VERTEX_BAKED_LIGHT_GRADIENT
     @location(11) baked_light_gradient: vec3<f32>,
+#endif
+#endif
+#ifdef VERTEX_UV_GRADIENTS
+    @location(12) by_u: vec3<f32>,
+    @location(13) by_v: vec3<f32>,
 #endif
 ) -> FragmentOutput {
 #ifdef VISIBILITY_RANGE_DITHER
@@ -62,12 +71,38 @@ fn fragment(
     let side = select(1.0, -1.0, double_sided && !is_front);
     let n = side * normalize(in.world_normal);
 
+#ifdef FRESCO_BUMP
+#ifdef FRESCO_NORMAL_MAP
+    let mapped = side * pbr_input.N;
+#else
+    let mapped = side * n;
+#endif
+    let raised = raise(
+        in,
+#ifdef VERTEX_UV_GRADIENTS
+        by_u,
+        by_v,
+#endif
+        pbr_input.material.uv_transform,
+        mapped,
+    );
+    // Else it is the prepass's, which has the relief already.
+#ifndef LOAD_PREPASS_NORMALS
+    pbr_input.N = bump::facing(side * raised.normal, n, pbr_input.V);
+#endif
+    pbr_input.material.perceptual_roughness = bump::roughened(
+        pbr_input.material.perceptual_roughness,
+        raised.variance,
+    );
+#endif
+
     pbr_input.material.base_color = alpha_discard(pbr_input.material, pbr_input.material.base_color);
     apply_decals(&pbr_input);
 
     let is_lit = (pbr_input.material.flags & pbr_types::STANDARD_MATERIAL_FLAGS_UNLIT_BIT) == 0u;
     // The deferred pass would add it to unlit surfaces too. Multisampling extrapolates at edges:
     // light must not come out negative there.
+#ifdef VERTEX_BAKED_LIGHT
     if is_lit {
         pbr_input.lightmap_light = max(baked_light, vec3(0.0)) * fresco.params.x;
 #ifdef VERTEX_BAKED_LIGHT_GRADIENT
@@ -76,10 +111,17 @@ fn fragment(
         pbr_input.lightmap_light = reshade(pbr_input.lightmap_light, gradient, n, pbr_input.N);
 #endif
     }
+#endif
 
 #ifdef PREPASS_PIPELINE
     // Exposure and diffuse colour are multiplied in there.
-    let out = deferred_output(in, pbr_input);
+    var out = deferred_output(in, pbr_input);
+#ifdef FRESCO_BUMP
+#ifdef NORMAL_PREPASS
+    // Bevy's is that of the vertices.
+    out.normal = vec4(pbr_input.N * 0.5 + vec3(0.5), 1.0);
+#endif
+#endif
 #else
     var out: FragmentOutput;
     if is_lit {
@@ -88,6 +130,10 @@ fn fragment(
         out.color = pbr_input.material.base_color;
     }
     out.color = main_pass_post_lighting_processing(pbr_input, out.color);
+#ifdef FRESCO_SHOW_NORMALS
+    // For tests and for finding faults: nothing sets this by itself.
+    out.color = vec4(pbr_input.N, pbr_input.material.perceptual_roughness);
+#endif
 
 #ifdef OIT_ENABLED
     let alpha_mode = pbr_input.material.flags & pbr_types::STANDARD_MATERIAL_FLAGS_ALPHA_MODE_RESERVED_BITS;

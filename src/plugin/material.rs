@@ -1,27 +1,25 @@
-//! The material that shows baked light: Bevy's standard material and one extension.
+//! The material that shows relief and baked light: Bevy's standard material and one extension.
 
-use bevy::mesh::MeshVertexBufferLayoutRef;
+use bevy::mesh::{MeshVertexBufferLayout, MeshVertexBufferLayoutRef, VertexAttributeDescriptor};
 use bevy::pbr::{
     ExtendedMaterial, MaterialExtension, MaterialExtensionKey, MaterialExtensionPipeline,
     MeshPipelineKey,
 };
 use bevy::prelude::*;
-use bevy::render::render_resource::{
-    AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError,
-};
+use bevy::render::render_resource::{RenderPipelineDescriptor, SpecializedMeshPipelineError};
 use bevy::shader::ShaderDefVal;
 
-use super::shaders;
-use super::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT};
+use super::bump::{self, ATTRIBUTE_U_GRADIENT, ATTRIBUTE_V_GRADIENT, Bump, BumpKey};
+use super::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT, shaders};
 
-/// [`StandardMaterial`] that shows what this crate makes of a surface.
+/// [`StandardMaterial`] that shows what this crate makes of a surface: relief ([`Bump`]) and baked light.
 ///
 /// On a mesh with [`ATTRIBUTE_BAKED_LIGHT`] the light is added where Bevy adds that of a
 /// [`Lightmap`](bevy::pbr::Lightmap), and the same rules hold: lights, ambient light and probes
 /// that say they do not affect lightmapped meshes keep only their specular part. An entity that
 /// has a `Lightmap` shows that instead. With [`ATTRIBUTE_BAKED_LIGHT_GRADIENT`] beside it the light answers to
-/// normal maps. On any other mesh it *is* the standard material: Bevy's
-/// own shaders draw it.
+/// bumps and normal maps. On any other mesh and without bumps it *is* the standard material: Bevy's own shaders
+/// draw it.
 ///
 /// In the deferred renderer Bevy adds lights' diffuse part to lightmapped meshes whatever the
 /// lights say. Materials under baked lights must be drawn forward:
@@ -29,85 +27,182 @@ use super::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT};
 pub type FrescoMaterial = ExtendedMaterial<StandardMaterial, FrescoExtension>;
 
 /// What [`FrescoMaterial`] has beyond the standard material.
-#[derive(Asset, AsBindGroup, Reflect, Debug, Clone)]
+#[derive(Asset, Reflect, Debug, Clone)]
 #[reflect(Default, Debug, Clone)]
-#[uniform(100, FrescoUniform)]
 pub struct FrescoExtension {
     /// Multiplies baked light, from 0 (dark) on; 1 shows it as it was baked.
     pub baked_light_gain: f32,
+    /// Relief of the surface.
+    pub bump: Option<Bump>,
+    /// Finer relief on top of it: slopes of both add up.
+    pub detail: Option<Bump>,
 }
 
 impl Default for FrescoExtension {
     fn default() -> Self {
         Self {
             baked_light_gain: 1.0,
+            bump: None,
+            detail: None,
         }
     }
 }
 
-/// [`FrescoExtension`] as the shader reads it; WebGL2 wants multiples of 16 bytes.
-#[derive(ShaderType, Clone, Copy, Debug)]
-struct FrescoUniform {
-    params: Vec4,
-}
-
-impl From<&FrescoExtension> for FrescoUniform {
-    fn from(extension: &FrescoExtension) -> Self {
-        Self {
-            params: Vec4::new(extension.baked_light_gain, 0.0, 0.0, 0.0),
-        }
-    }
-}
-
-/// Where the attribute enters the vertex shader: Bevy's own end at 7.
+/// Where attributes enter the vertex shader: Bevy's own end at 7.
 const BAKED_LIGHT_LOCATION: u32 = 8;
 const GRADIENT_LOCATION: u32 = 9;
+const U_GRADIENT_LOCATION: u32 = 12;
+const V_GRADIENT_LOCATION: u32 = 13;
+
+/// The pass that a pipeline is for.
+#[derive(Clone, Copy, PartialEq)]
+enum Pass {
+    Forward,
+    Deferred,
+    /// The prepass that writes normals, and nothing for the deferred renderer.
+    Normals,
+    /// Depth alone, shadows, motion vectors.
+    Other,
+}
+
+impl Pass {
+    fn of(shader_defs: &[ShaderDefVal]) -> Self {
+        let has = |name: &str| {
+            let is_it =
+                |def: &ShaderDefVal| matches!(def, ShaderDefVal::Bool(n, true) if n == name);
+            shader_defs.iter().any(is_it)
+        };
+        if !has("PREPASS_PIPELINE") {
+            Self::Forward
+        } else if has("DEFERRED_PREPASS") {
+            Self::Deferred
+        } else if has("NORMAL_PREPASS") {
+            Self::Normals
+        } else {
+            Self::Other
+        }
+    }
+}
+
+/// What is shown of a mesh in a pass.
+struct Shown {
+    bumps: BumpKey,
+    /// Gradients of texture coordinates come from the mesh.
+    has_uv_gradients: bool,
+    has_baked_light: bool,
+    /// Normals are mapped by Bevy.
+    has_normal_map: bool,
+    /// Baked light answers to what turns normals.
+    has_light_gradient: bool,
+}
+
+impl Shown {
+    fn new(
+        pass: Pass,
+        layout: &MeshVertexBufferLayout,
+        lightmapped: bool,
+        bumps: BumpKey,
+        shader_defs: &[ShaderDefVal],
+    ) -> Self {
+        let is_drawn = pass != Pass::Other;
+        let has_uv = [Mesh::ATTRIBUTE_UV_0, Mesh::ATTRIBUTE_UV_1].map(|uv| layout.contains(uv));
+        let bumps = if is_drawn && layout.contains(Mesh::ATTRIBUTE_NORMAL) {
+            bumps.on_mesh(has_uv)
+        } else {
+            BumpKey::default()
+        };
+        let has_baked_light = matches!(pass, Pass::Forward | Pass::Deferred)
+            && !lightmapped
+            && layout.contains(ATTRIBUTE_BAKED_LIGHT);
+        // Bevy maps normals by tangents, and ignores the map where there are none.
+        let has_normal_map = layout.contains(Mesh::ATTRIBUTE_TANGENT)
+            && shader_defs.contains(&"STANDARD_MATERIAL_NORMAL_MAP".into());
+        Self {
+            bumps,
+            has_uv_gradients: bumps.uses_uv_a()
+                && layout.contains(ATTRIBUTE_U_GRADIENT)
+                && layout.contains(ATTRIBUTE_V_GRADIENT),
+            has_baked_light,
+            has_normal_map,
+            has_light_gradient: has_baked_light
+                && (has_normal_map || bumps.is_any())
+                && layout.contains(ATTRIBUTE_BAKED_LIGHT_GRADIENT),
+        }
+    }
+
+    fn vertex_attributes(&self) -> Vec<VertexAttributeDescriptor> {
+        let light = ATTRIBUTE_BAKED_LIGHT.at_shader_location(BAKED_LIGHT_LOCATION);
+        let of_light = ATTRIBUTE_BAKED_LIGHT_GRADIENT.at_shader_location(GRADIENT_LOCATION);
+        let gradients = [
+            ATTRIBUTE_U_GRADIENT.at_shader_location(U_GRADIENT_LOCATION),
+            ATTRIBUTE_V_GRADIENT.at_shader_location(V_GRADIENT_LOCATION),
+        ];
+        let light = self.has_baked_light.then_some(light);
+        let of_light = self.has_light_gradient.then_some(of_light);
+        let gradients = self.has_uv_gradients.then_some(gradients);
+        light
+            .into_iter()
+            .chain(of_light)
+            .chain(gradients.into_iter().flatten())
+            .collect()
+    }
+
+    /// Shader definitions of both stages.
+    fn shader_defs(&self) -> Vec<ShaderDefVal> {
+        let of_vertices = [
+            (self.has_baked_light, "VERTEX_BAKED_LIGHT"),
+            (self.has_uv_gradients, "VERTEX_UV_GRADIENTS"),
+            (self.has_light_gradient, shaders::GRADIENT),
+            (self.has_normal_map, "FRESCO_NORMAL_MAP"),
+        ];
+        let of_vertices = of_vertices
+            .into_iter()
+            .filter_map(|(is, name)| is.then_some(name));
+        of_vertices
+            .chain(self.bumps.shader_defs())
+            .map(Into::into)
+            .collect()
+    }
+}
 
 impl MaterialExtension for FrescoExtension {
-    /// Puts our shaders in the place of Bevy's where there is baked light to show, and nowhere
-    /// else: shadows, depth and normals are drawn by Bevy's own, as cheaply as ever.
+    /// Puts our shaders in the place of Bevy's where there is relief or baked light to show, and nowhere
+    /// else: shadows and depth are drawn by Bevy's own, as cheaply as ever.
     fn specialize(
         _pipeline: &MaterialExtensionPipeline,
         descriptor: &mut RenderPipelineDescriptor,
         layout: &MeshVertexBufferLayoutRef,
         key: MaterialExtensionKey<Self>,
     ) -> Result<(), SpecializedMeshPipelineError> {
-        let has_lightmap = key.mesh_key.contains(MeshPipelineKey::LIGHTMAPPED);
-        if has_lightmap || !layout.0.contains(ATTRIBUTE_BAKED_LIGHT) {
-            return Ok(());
-        }
         let (Some(fragment), Some(buffer)) = (
             descriptor.fragment.as_mut(),
             descriptor.vertex.buffers.first_mut(),
         ) else {
             return Ok(());
         };
-        let is_defined = |name: &str| {
-            let is_it =
-                |def: &ShaderDefVal| matches!(def, ShaderDefVal::Bool(n, true) if n == name);
-            fragment.shader_defs.iter().any(is_it)
-        };
-        let forward = !is_defined("PREPASS_PIPELINE");
-        if !forward && !is_defined("DEFERRED_PREPASS") {
+        let pass = Pass::of(&fragment.shader_defs);
+        let lightmapped = key.mesh_key.contains(MeshPipelineKey::LIGHTMAPPED);
+        let bumps = key.bind_group_data;
+        let shown = Shown::new(pass, &layout.0, lightmapped, bumps, &fragment.shader_defs);
+        if !shown.bumps.is_any() && !shown.has_baked_light {
             return Ok(());
         }
-        // Nothing turns normals but a normal map, which Bevy ignores where there are no tangents.
-        let has_gradient = is_defined("STANDARD_MATERIAL_NORMAL_MAP")
-            && (layout.0).contains(Mesh::ATTRIBUTE_TANGENT)
-            && (layout.0).contains(ATTRIBUTE_BAKED_LIGHT_GRADIENT);
-        let light = ATTRIBUTE_BAKED_LIGHT.at_shader_location(BAKED_LIGHT_LOCATION);
-        let gradient = ATTRIBUTE_BAKED_LIGHT_GRADIENT.at_shader_location(GRADIENT_LOCATION);
-        let attributes = &[light, gradient][..if has_gradient { 2 } else { 1 }];
-        let attributes = layout.0.get_layout(attributes)?.attributes;
+        let attributes = shown.vertex_attributes();
+        let has_attributes = !attributes.is_empty();
+        let attributes = layout.0.get_layout(&attributes)?.attributes;
         buffer.attributes.extend(attributes);
-        if has_gradient {
-            descriptor.vertex.shader_defs.push(shaders::GRADIENT.into());
-            fragment.shader_defs.push(shaders::GRADIENT.into());
+        let defs = shown.shader_defs();
+        if has_attributes {
+            descriptor.vertex.shader = shaders::VERTEX_SHADER;
+            descriptor.vertex.shader_defs.extend(defs.iter().cloned());
         }
-        descriptor.vertex.shader = shaders::VERTEX_SHADER;
-        fragment.shader = shaders::FRAGMENT_SHADER;
+        fragment.shader_defs.extend(defs);
+        fragment.shader = match pass {
+            Pass::Normals => shaders::PREPASS_SHADER,
+            _ => shaders::FRAGMENT_SHADER,
+        };
         // In the deferred pass Bevy adds the light without being told.
-        if forward {
+        if pass == Pass::Forward && shown.has_baked_light {
             fragment.shader_defs.push(shaders::BAKED_LIGHT.into());
         }
         Ok(())
@@ -122,9 +217,13 @@ pub struct FrescoMaterialPlugin;
 
 impl Plugin for FrescoMaterialPlugin {
     fn build(&self, app: &mut App) {
-        app.add_plugins((MaterialPlugin::<FrescoMaterial>::default(), shaders::plugin))
-            .register_type::<FrescoExtension>()
-            .register_asset_reflect::<FrescoMaterial>();
+        app.add_plugins((
+            MaterialPlugin::<FrescoMaterial>::default(),
+            shaders::plugin,
+            bump::plugin,
+        ))
+        .register_type::<FrescoExtension>()
+        .register_asset_reflect::<FrescoMaterial>();
     }
 }
 

@@ -3,6 +3,8 @@
 //! [`FrescoPlugins`] is all of it; add it after `DefaultPlugins`.
 
 mod attribute;
+mod bind_group;
+pub mod bump;
 mod material;
 pub mod radiosity;
 mod shaders;
@@ -17,7 +19,7 @@ pub use radiosity::RadiosityPlugin;
 ///
 /// | plugin | what it gives |
 /// |---|---|
-/// | [`FrescoMaterialPlugin`] | the material that shows baked light |
+/// | [`FrescoMaterialPlugin`] | the material that shows relief and baked light |
 /// | [`RadiosityPlugin`] | light baked in the running world |
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrescoPlugins;

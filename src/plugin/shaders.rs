@@ -15,12 +15,15 @@ use bevy::prelude::*;
 use bevy::render::RenderApp;
 use bevy::shader::{Shader, load_shader_library};
 
-/// Passes baked light on, beside all that Bevy's vertex shaders do.
+/// Passes our attributes on, beside all that Bevy's vertex shaders do.
 pub(super) const VERTEX_SHADER: Handle<Shader> =
     uuid_handle!("5b1d1f0e-6c1c-4a51-9a6d-3f4a5d0f5a01");
-/// Puts baked light where Bevy expects that of a lightmap.
+/// Perturbs normals, and puts baked light where Bevy expects that of a lightmap.
 pub(super) const FRAGMENT_SHADER: Handle<Shader> =
     uuid_handle!("5b1d1f0e-6c1c-4a51-9a6d-3f4a5d0f5a02");
+/// Perturbs normals in the pass that writes them.
+pub(super) const PREPASS_SHADER: Handle<Shader> =
+    uuid_handle!("5b1d1f0e-6c1c-4a51-9a6d-3f4a5d0f5a04");
 /// Bevy's `pbr_functions`, in which [`BAKED_LIGHT`] stands for `LIGHTMAP`.
 const PBR_FUNCTIONS: Handle<Shader> = uuid_handle!("5b1d1f0e-6c1c-4a51-9a6d-3f4a5d0f5a03");
 
@@ -53,6 +56,9 @@ pub(super) fn plugin(app: &mut App) {
         return;
     }
     load_shader_library!(app, "directional.wgsl");
+    // What shaders import is found by its path, so that Bevy's `embedded_watcher` reloads it.
+    load_shader_library!(app, "bump/bump.wgsl");
+    load_shader_library!(app, "bump/surface.wgsl");
     app.add_systems(Startup, (add_own, load_bevys)).add_systems(
         PreUpdate,
         copy_bevys_lighting.run_if(resource_exists::<Source>),
@@ -64,6 +70,8 @@ fn add_own(mut shaders: ResMut<Assets<Shader>>) {
     let fragment = include_str!("fragment.wgsl");
     add(&mut shaders, &VERTEX_SHADER, "vertex.wgsl", vertex);
     add(&mut shaders, &FRAGMENT_SHADER, "fragment.wgsl", fragment);
+    let prepass = include_str!("bump/prepass.wgsl");
+    add(&mut shaders, &PREPASS_SHADER, "bump/prepass.wgsl", prepass);
 }
 
 fn load_bevys(mut commands: Commands, assets: Res<AssetServer>) {

@@ -1,7 +1,8 @@
-// Bevy's vertex shader for meshes that carry baked light, for the forward and the deferred pass.
+// Bevy's vertex shader for meshes that carry attributes of ours, for the forward, the deferred and the
+// normal pass.
 //
 // Bevy's own two (bevy_pbr 0.19.1, render/mesh.wgsl and prepass/prepass.wgsl) cannot be imported,
-// so their bodies are followed here line by line and one vertex attribute is passed on. Depth must
+// so their bodies are followed here line by line and vertex attributes are passed on. Depth must
 // come out to the last bit as in Bevy's prepass, which still draws the depth of these meshes:
 // positions are computed by the same functions in the same order.
 
@@ -15,13 +16,16 @@
 #ifdef VERTEX_BAKED_LIGHT_GRADIENT
 #import bevy_fresco::directional::gradient_to_world
 #endif
+#ifdef VERTEX_UV_GRADIENTS
+#import bevy_render::maths::mat2x4_f32_to_mat3x3_unpack
+#endif
 #ifdef PREPASS_PIPELINE
 #import bevy_pbr::prepass_io::Vertex
 #else
 #import bevy_pbr::forward_io::Vertex
 #endif
 
-// The fields of Bevy's `VertexOutput` at Bevy's locations, and one more. Structs that a stage gives
+// The fields of Bevy's `VertexOutput` at Bevy's locations, and ours. Structs that a stage gives
 // out cannot be nested, or Bevy's would be a field of this one.
 struct LitVertexOutput {
     @builtin(position) position: vec4<f32>,
@@ -67,11 +71,36 @@ struct LitVertexOutput {
     @location(7) @interpolate(flat) visibility_range_dither: i32,
 #endif
 #endif // PREPASS_PIPELINE
+#ifdef VERTEX_BAKED_LIGHT
     @location(10) baked_light: vec3<f32>,
 #ifdef VERTEX_BAKED_LIGHT_GRADIENT
     @location(11) baked_light_gradient: vec3<f32>,
 #endif
+#endif
+#ifdef VERTEX_UV_GRADIENTS
+    @location(12) by_u: vec3<f32>,
+    @location(13) by_v: vec3<f32>,
+#endif
 }
+
+#ifdef VERTEX_UV_GRADIENTS
+// Gradients turn as normals do, and keep their length: so much a metre.
+fn gradient_local_to_world(
+    gradient: vec3<f32>,
+    world_from_local: mat4x4<f32>,
+    instance_index: u32,
+) -> vec3<f32> {
+#ifdef SKINNED
+    let m = mat3x3(world_from_local[0].xyz, world_from_local[1].xyz, world_from_local[2].xyz);
+    return skinning::inverse_transpose_3x3m(m) * gradient;
+#else
+    return mat2x4_f32_to_mat3x3_unpack(
+        mesh[instance_index].local_from_world_transpose_a,
+        mesh[instance_index].local_from_world_transpose_b,
+    ) * gradient;
+#endif
+}
+#endif
 
 #ifdef MORPH_TARGETS
 fn morph_vertex(vertex_in: Vertex, instance_index: u32) -> Vertex {
@@ -114,9 +143,15 @@ fn morph_prev_vertex(vertex_in: Vertex, instance_index: u32) -> Vertex {
 @vertex
 fn vertex(
     vertex_no_morph: Vertex,
+#ifdef VERTEX_BAKED_LIGHT
     @location(8) baked_light: vec3<f32>,
 #ifdef VERTEX_BAKED_LIGHT_GRADIENT
     @location(9) baked_light_gradient: vec3<f32>,
+#endif
+#endif
+#ifdef VERTEX_UV_GRADIENTS
+    @location(12) by_u: vec3<f32>,
+    @location(13) by_v: vec3<f32>,
 #endif
 ) -> LitVertexOutput {
     var out: LitVertexOutput;
@@ -207,9 +242,15 @@ fn vertex(
     );
 #endif
 
+#ifdef VERTEX_BAKED_LIGHT
     out.baked_light = baked_light;
 #ifdef VERTEX_BAKED_LIGHT_GRADIENT
     out.baked_light_gradient = gradient_to_world(baked_light_gradient, world_from_local);
+#endif
+#endif
+#ifdef VERTEX_UV_GRADIENTS
+    out.by_u = gradient_local_to_world(by_u, world_from_local, instance_index);
+    out.by_v = gradient_local_to_world(by_v, world_from_local, instance_index);
 #endif
     return out;
 }

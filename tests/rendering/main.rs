@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on panics")]
 #![allow(clippy::print_stdout, reason = "how close the pictures came")]
 
+mod bumps;
 mod changes;
 mod closed_form;
 mod deformed;

@@ -21,13 +21,15 @@ use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{PipelineCache, TextureFormat, TextureUsages};
 use bevy::render::{RenderPlugin, view::Msaa};
+use bevy::shader::Shader;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use bevy_fresco::plugin::FrescoMaterialPlugin;
 
+use crate::bumps::PrepassNormals;
 use crate::picture::Picture;
 
-/// Pixels on a side of every picture.
+/// Pixels on a side of pictures, if nothing else is said.
 pub(crate) const SIZE: u32 = 64;
 
 /// What pixels are multiplied by: a camera's default exposure.
@@ -36,6 +38,7 @@ pub(crate) fn exposure() -> f32 {
 }
 
 static ERRORS: Mutex<Vec<String>> = Mutex::new(Vec::new());
+static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 type Job = Box<dyn FnOnce(&mut Stage) + Send>;
 
@@ -58,6 +61,8 @@ pub(crate) fn on_stage<R: Send + 'static>(
     let job: Job = Box::new(move |stage| {
         let done = catch_unwind(AssertUnwindSafe(|| work(stage)));
         stage.clear();
+        stage.size = SIZE;
+        stage.show_normals(false);
         let _ = sender.send(done);
     });
     jobs.lock().unwrap().send(job).unwrap();
@@ -70,6 +75,8 @@ pub(crate) fn on_stage<R: Send + 'static>(
 /// The app and the last picture it took.
 pub(crate) struct Stage {
     app: App,
+    /// Pixels on a side of the next pictures.
+    pub(crate) size: u32,
 }
 
 #[derive(Resource, Default)]
@@ -97,6 +104,7 @@ impl Stage {
                 .disable::<WinitPlugin>()
                 .disable::<PipelinedRenderingPlugin>(),
             FrescoMaterialPlugin,
+            MaterialPlugin::<PrepassNormals>::default(),
         ))
         .init_resource::<Frames>()
         .add_observer(|frame: On<ReadbackComplete>, mut frames: ResMut<Frames>| {
@@ -104,7 +112,33 @@ impl Stage {
         });
         app.finish();
         app.cleanup();
-        Self { app }
+        // Puts the shaders into their place.
+        app.update();
+        Self { app, size: SIZE }
+    }
+
+    /// Whether our shaders show normals, and the roughness as alpha, in the place of light.
+    pub(crate) fn show_normals(&mut self, show: bool) {
+        const NORMALS: &str = "FRESCO_SHOW_NORMALS";
+        let mut shaders = self.app.world_mut().resource_mut::<Assets<Shader>>();
+        let ours = |shader: &Shader| shader.path == "bevy_fresco/plugin/fragment.wgsl";
+        let found = shaders.iter().find(|(_, shader)| ours(shader));
+        let Some((id, shader)) = found else {
+            assert!(!show, "the shader has moved");
+            return;
+        };
+        if show != shader.shader_defs.contains(&NORMALS.into()) {
+            let mut shader = shaders.get_mut(id).unwrap();
+            shader.shader_defs.clear();
+            if show {
+                shader.shader_defs.push(NORMALS.into());
+            }
+        }
+    }
+
+    /// What was warned of since the last picture was begun.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        WARNINGS.lock().unwrap().clone()
     }
 
     /// The app, as the last picture left it.
@@ -121,10 +155,12 @@ impl Stage {
     ) -> Picture {
         self.clear();
         ERRORS.lock().unwrap().clear();
+        WARNINGS.lock().unwrap().clear();
+        let size = self.size;
         let world = self.app.world_mut();
         world.insert_resource(GlobalAmbientLight::NONE);
         let target = {
-            let mut image = Image::new_target_texture(SIZE, SIZE, TextureFormat::Rgba32Float, None);
+            let mut image = Image::new_target_texture(size, size, TextureFormat::Rgba32Float, None);
             image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
             image.asset_usage = RenderAssetUsages::all();
             world.resource_mut::<Assets<Image>>().add(image)
@@ -186,8 +222,8 @@ impl Stage {
             }
             let last = &frames.0[count - STILL..];
             if last.iter().all(|frame| *frame == last[0]) {
-                let picture = Picture::from_bytes(SIZE as usize, &last[0]);
-                if picture.pixels.iter().flatten().any(|v| *v > 0.0) {
+                let picture = Picture::from_bytes(self.size as usize, &last[0]);
+                if picture.pixels.iter().flatten().any(|v| *v != 0.0) {
                     return picture;
                 }
             }
@@ -211,16 +247,19 @@ impl Stage {
     }
 }
 
-/// Keeps what is logged as an error: rendering goes on after one.
+/// Keeps what is logged as an error, as rendering goes on after one, and warnings.
 struct KeepErrors;
 
 impl<S: Subscriber> Layer<S> for KeepErrors {
     fn on_event(&self, event: &tracing::Event<'_>, _: layer::Context<'_, S>) {
-        if *event.metadata().level() == Level::ERROR {
-            let mut text = Text(String::new());
-            event.record(&mut text);
-            ERRORS.lock().unwrap().push(text.0);
-        }
+        let kept = match *event.metadata().level() {
+            Level::ERROR => &ERRORS,
+            Level::WARN => &WARNINGS,
+            _ => return,
+        };
+        let mut text = Text(String::new());
+        event.record(&mut text);
+        kept.lock().unwrap().push(text.0);
     }
 }
 

@@ -7,19 +7,19 @@ use crate::plugin::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT};
 
 /// The part of a mesh that a bake looks at.
 #[derive(Debug, Default)]
-pub(super) struct MeshData {
-    pub(super) positions: Vec<Vec3>,
+pub(in crate::plugin) struct MeshData {
+    pub(in crate::plugin) positions: Vec<Vec3>,
     /// Empty if the mesh has none.
-    pub(super) normals: Vec<Vec3>,
+    pub(in crate::plugin) normals: Vec<Vec3>,
     /// Both sets; a set that the mesh lacks is empty.
-    pub(super) uvs: [Vec<Vec2>; 2],
-    pub(super) colors: Vec<Vec4>,
-    pub(super) triangles: Vec<[u32; 3]>,
+    pub(in crate::plugin) uvs: [Vec<Vec2>; 2],
+    pub(in crate::plugin) colors: Vec<Vec4>,
+    pub(in crate::plugin) triangles: Vec<[u32; 3]>,
 }
 
 /// Why a mesh cannot be baked, as the end of a sentence that starts with its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub(super) enum MeshProblem {
+pub(in crate::plugin) enum MeshProblem {
     #[error(
         "its mesh is not in the main world: add `RenderAssetUsages::MAIN_WORLD` to the mesh's `asset_usage`"
     )]
@@ -31,7 +31,7 @@ pub(super) enum MeshProblem {
 }
 
 /// Whether a mesh can be baked.
-pub(super) fn check(mesh: &Mesh) -> Result<(), MeshProblem> {
+pub(in crate::plugin) fn check(mesh: &Mesh) -> Result<(), MeshProblem> {
     // What is only meant for the renderer may be gone in the next frame.
     let stays = mesh.asset_usage.contains(RenderAssetUsages::MAIN_WORLD);
     if !stays || mesh.try_attributes().is_err() || mesh.try_indices_option().is_err() {
@@ -48,7 +48,7 @@ pub(super) fn check(mesh: &Mesh) -> Result<(), MeshProblem> {
 }
 
 /// Reads a mesh in any vertex format, indexed or not, list or strip.
-pub(super) fn read(mesh: &Mesh) -> Result<MeshData, MeshProblem> {
+pub(in crate::plugin) fn read(mesh: &Mesh) -> Result<MeshData, MeshProblem> {
     check(mesh)?;
     let floats = |attribute: MeshVertexAttribute| {
         let values = mesh.try_attribute_option(attribute).ok().flatten();

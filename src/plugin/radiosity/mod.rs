@@ -32,7 +32,7 @@ mod job;
 mod key;
 mod lights;
 mod material;
-mod mesh_data;
+pub(in crate::plugin) mod mesh_data;
 mod plugin;
 mod scene;
 mod settings;

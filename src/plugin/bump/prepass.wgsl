@@ -1,0 +1,93 @@
+// Bevy's prepass fragment shader (bevy_pbr 0.19.1, render/pbr_prepass.wgsl) with relief, for the pass that
+// writes normals.
+
+#import bevy_fresco::{bump, bump_surface::raise}
+#import bevy_render::bindless::{bindless_samplers_filtering, bindless_textures_2d}
+#import bevy_pbr::{
+    pbr_prepass_functions,
+    pbr_bindings,
+    pbr_types,
+    pbr_functions,
+    prepass_io::{VertexOutput, FragmentOutput},
+    mesh_bindings::mesh,
+    mesh_view_bindings::view,
+}
+#ifdef BINDLESS
+#import bevy_pbr::pbr_bindings::material_indices
+#endif
+
+@fragment
+fn fragment(
+    in: VertexOutput,
+    @builtin(front_facing) is_front: bool,
+#ifdef VERTEX_UV_GRADIENTS
+    @location(12) by_u: vec3<f32>,
+    @location(13) by_v: vec3<f32>,
+#endif
+) -> FragmentOutput {
+#ifdef BINDLESS
+    let slot = mesh[in.instance_index].material_and_lightmap_bind_group_slot & 0xffffu;
+    let flags = pbr_bindings::material_array[material_indices[slot].material].flags;
+    let uv_transform = pbr_bindings::material_array[material_indices[slot].material].uv_transform;
+#else
+    let flags = pbr_bindings::material.flags;
+    let uv_transform = pbr_bindings::material.uv_transform;
+#endif
+
+#ifdef VISIBILITY_RANGE_DITHER
+    pbr_functions::visibility_range_dither(in.position, in.visibility_range_dither);
+#endif
+
+    let double_sided = (flags & pbr_types::STANDARD_MATERIAL_FLAGS_DOUBLE_SIDED_BIT) != 0u;
+    let side = select(1.0, -1.0, double_sided && !is_front);
+    let n = side * normalize(in.world_normal);
+
+#ifdef FRESCO_NORMAL_MAP
+#ifdef STANDARD_MATERIAL_NORMAL_MAP_UV_B
+    let uv = (uv_transform * vec3(in.uv_b, 1.0)).xy;
+#else
+    let uv = (uv_transform * vec3(in.uv, 1.0)).xy;
+#endif
+    let Nt = textureSampleBias(
+#ifdef BINDLESS
+        bindless_textures_2d[material_indices[slot].normal_map_texture],
+        bindless_samplers_filtering[material_indices[slot].normal_map_sampler],
+#else
+        pbr_bindings::normal_map_texture,
+        pbr_bindings::normal_map_sampler,
+#endif
+        uv,
+        view.mip_bias,
+    ).rgb;
+    let TBN = pbr_functions::calculate_tbn_mikktspace(in.world_normal, in.world_tangent);
+    let mapped = side * pbr_functions::apply_normal_mapping(flags, TBN, double_sided, is_front, Nt);
+#else
+    let mapped = side * n;
+#endif
+
+    let raised = raise(
+        in,
+#ifdef VERTEX_UV_GRADIENTS
+        by_u,
+        by_v,
+#endif
+        uv_transform,
+        mapped,
+    );
+    let V = pbr_functions::calculate_view(in.world_position, view.clip_from_view[3].w == 1.0);
+    let bumped = bump::facing(side * raised.normal, n, V);
+
+    pbr_prepass_functions::prepass_alpha_discard(in);
+
+    var out: FragmentOutput;
+    // Unlit surfaces have the normals of their vertices.
+    let is_lit = (flags & pbr_types::STANDARD_MATERIAL_FLAGS_UNLIT_BIT) == 0u;
+    out.normal = vec4(select(in.world_normal, bumped, is_lit) * 0.5 + vec3(0.5), 1.0);
+#ifdef MOTION_VECTOR_PREPASS
+    out.motion_vector = pbr_prepass_functions::calculate_motion_vector(
+        in.world_position,
+        in.previous_world_position,
+    );
+#endif
+    return out;
+}

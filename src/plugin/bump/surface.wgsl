@@ -1,0 +1,265 @@
+// The bumps of a material on a surface: what is bound, and what of it `bump.wgsl` makes.
+
+#define_import_path bevy_fresco::bump_surface
+
+#import bevy_fresco::bump
+#import bevy_pbr::{
+    mesh_functions,
+    mesh_view_bindings::view,
+}
+#ifdef PREPASS_PIPELINE
+#import bevy_pbr::prepass_io::VertexOutput
+#else
+#import bevy_pbr::forward_io::VertexOutput
+#endif
+
+// `BumpUniform` in `settings.rs`.
+struct Bump {
+    // Rows of the transform of texture coordinates; w: height of the map's 1, and what it is measured in.
+    row_u: vec4<f32>,
+    row_v: vec4<f32>,
+    // Size of the map, unit of its slopes, bits: what repeats, whether it is smoothed.
+    size: vec4<f32>,
+    // Of heights: that of the texture's 0, and how much higher its 1 is.
+    range: vec4<f32>,
+}
+
+struct Fresco {
+    // x: gain of baked light.
+    params: vec4<f32>,
+    main_bump: Bump,
+    detail_bump: Bump,
+}
+@group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> fresco: Fresco;
+
+#ifdef FRESCO_BUMP
+@group(#{MATERIAL_BIND_GROUP}) @binding(101) var bump_slopes: texture_2d<f32>;
+@group(#{MATERIAL_BIND_GROUP}) @binding(102) var bump_sampler: sampler;
+@group(#{MATERIAL_BIND_GROUP}) @binding(103) var bump_heights: texture_2d<f32>;
+@group(#{MATERIAL_BIND_GROUP}) @binding(104) var detail_slopes: texture_2d<f32>;
+@group(#{MATERIAL_BIND_GROUP}) @binding(105) var detail_sampler: sampler;
+
+// What heights are measured in.
+const IN_MESH: f32 = 0.0;
+const IN_WORLD: f32 = 1.0;
+const IN_UV: f32 = 2.0;
+
+const REPEATS_U: u32 = 1u;
+const REPEATS_V: u32 = 2u;
+const SMOOTHED: u32 = 4u;
+
+// A surface as it is without relief, and all that bumps need of it, found where all pixels of a quad run.
+struct Surface {
+    // Outward, also where it is seen from behind.
+    normal: vec3<f32>,
+    a: vec3<f32>,
+    b: vec3<f32>,
+    along: bump::Dual,
+    // Where the mesh's unit along its own normal comes to lie.
+    up: vec3<f32>,
+}
+
+// A surface raised by bumps.
+struct Raised {
+    // Unit normal, outward.
+    normal: vec3<f32>,
+    // Of slopes that the normal does not show.
+    variance: f32,
+}
+
+// Sums over bumps. Those of the mesh's own unit stand along `Surface::up`, others along the normal.
+struct Sum {
+    mesh: vec3<f32>,
+    world: vec3<f32>,
+    height_mesh: f32,
+    height_world: f32,
+    variance_mesh: f32,
+    variance_world: f32,
+}
+
+// Texture coordinates with their gradients on the surface and what they change by to the next pixels.
+struct Coordinates {
+    at: vec2<f32>,
+    by_u: vec3<f32>,
+    by_v: vec3<f32>,
+    dx: vec2<f32>,
+    dy: vec2<f32>,
+}
+
+fn surface(in: VertexOutput) -> Surface {
+    var found: Surface;
+    found.normal = normalize(in.world_normal);
+    // Of differences to the camera: far from the origin they are exacter.
+    let place = in.world_position.xyz - view.world_position.xyz;
+    found.a = dpdxFine(place);
+    found.b = dpdyFine(place);
+    found.along = bump::dual(found.normal, found.a, found.b);
+#ifdef SKINNED
+    // Joints scale as they like.
+    found.up = found.normal;
+#else
+    let world_from_local = mesh_functions::get_world_from_local(in.instance_index);
+    let m = mat3x3(world_from_local[0].xyz, world_from_local[1].xyz, world_from_local[2].xyz);
+    found.up = m * normalize(found.normal * m);
+#endif
+    return found;
+}
+
+// By the derivatives on the screen.
+fn on_screen(on: Surface, uv: vec2<f32>) -> Coordinates {
+    let dx = dpdxFine(uv);
+    let dy = dpdyFine(uv);
+    return Coordinates(
+        uv,
+        bump::surface_gradient(on.along, vec2(dx.x, dy.x)),
+        bump::surface_gradient(on.along, vec2(dx.y, dy.y)),
+        dx,
+        dy,
+    );
+}
+
+#ifdef VERTEX_UV_GRADIENTS
+// By what the mesh brings.
+fn on_mesh(on: Surface, uv: vec2<f32>, by_u: vec3<f32>, by_v: vec3<f32>) -> Coordinates {
+    return Coordinates(
+        uv,
+        by_u - on.normal * dot(by_u, on.normal),
+        by_v - on.normal * dot(by_v, on.normal),
+        dpdxFine(uv),
+        dpdyFine(uv),
+    );
+}
+#endif
+
+// Through a transform of the material.
+fn transformed(uv: Coordinates, row_u: vec3<f32>, row_v: vec3<f32>) -> Coordinates {
+    return Coordinates(
+        vec2(dot(row_u, vec3(uv.at, 1.0)), dot(row_v, vec3(uv.at, 1.0))),
+        row_u.x * uv.by_u + row_u.y * uv.by_v,
+        row_v.x * uv.by_u + row_v.y * uv.by_v,
+        vec2(dot(row_u.xy, uv.dx), dot(row_v.xy, uv.dx)),
+        vec2(dot(row_u.xy, uv.dy), dot(row_v.xy, uv.dy)),
+    );
+}
+
+fn sample_slopes(slopes: texture_2d<f32>, by: sampler, one: Bump, uv: Coordinates) -> bump::Relief {
+    let bias = exp2(view.mip_bias);
+    let moments = textureSampleGrad(slopes, by, uv.at, bias * uv.dx, bias * uv.dy);
+    return bump::relief_of_moments(moments, one.size.z);
+}
+
+// Adds a bump: `relief` at `uv`.
+fn add(sum: Sum, one: Bump, relief: bump::Relief, uv: Coordinates) -> Sum {
+    let in_mesh = one.row_v.w == IN_MESH;
+    let in_uv = one.row_v.w == IN_UV;
+    // How long a unit of the map's coordinates is on the surface.
+    let width = sqrt(2.0 / max(dot(uv.by_u, uv.by_u) + dot(uv.by_v, uv.by_v), 1e-30));
+    let scale = one.row_u.w * select(1.0, width, in_uv);
+    let gradient = scale * (relief.slopes.x * uv.by_u + relief.slopes.y * uv.by_v);
+    let height = scale * relief.height;
+    let variance = scale * scale * bump::slope_variance(relief.variance, uv.by_u, uv.by_v);
+    return Sum(
+        sum.mesh + select(vec3(0.0), gradient, in_mesh),
+        sum.world + select(gradient, vec3(0.0), in_mesh),
+        sum.height_mesh + select(0.0, height, in_mesh),
+        sum.height_world + select(height, 0.0, in_mesh),
+        sum.variance_mesh + select(0.0, variance, in_mesh),
+        sum.variance_world + select(variance, 0.0, in_mesh),
+    );
+}
+
+#ifdef FRESCO_MAIN_BUMP
+fn sample_bump(uv: Coordinates) -> bump::Relief {
+    let one = fresco.main_bump;
+    var relief = sample_slopes(bump_slopes, bump_sampler, one, uv);
+    let magnified = bump::magnified(uv.dx, uv.dy, one.size.xy);
+    // The first condition always holds. It stands there for Mesa 22.3's lavapipe, which crashes on conditions
+    // in which it finds uniforms before it finds something else.
+    if abs(relief.slopes.x) < bump::HUGE && magnified > 0.0 {
+        let bits = u32(one.size.w);
+        let repeats = vec2((bits & REPEATS_U) != 0u, (bits & REPEATS_V) != 0u);
+        let cubic = bump::cubic_relief(bump_heights, uv.at, repeats, (bits & SMOOTHED) != 0u);
+        relief.slopes = mix(relief.slopes, one.range.y * cubic.slopes, magnified);
+        relief.variance *= 1.0 - magnified;
+    }
+#ifdef FRESCO_CURVATURE
+    let bias = exp2(view.mip_bias);
+    let texel = textureSampleGrad(bump_heights, bump_sampler, uv.at, bias * uv.dx, bias * uv.dy);
+    relief.height = one.range.x + one.range.y * bump::height_of(texel);
+#endif
+    return relief;
+}
+#endif
+
+// For entry points, before anything is discarded and where all pixels of a quad run.
+fn raise(
+    in: VertexOutput,
+#ifdef VERTEX_UV_GRADIENTS
+    by_u: vec3<f32>,
+    by_v: vec3<f32>,
+#endif
+    uv_transform: mat3x3<f32>,
+    // Unit normal of Bevy's normal map, outward.
+    mapped: vec3<f32>,
+) -> Raised {
+    let on = surface(in);
+    let base_u = vec3(uv_transform[0].x, uv_transform[1].x, uv_transform[2].x);
+    let base_v = vec3(uv_transform[0].y, uv_transform[1].y, uv_transform[2].y);
+    var sum = Sum(vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, 0.0);
+
+#ifdef FRESCO_UV_A
+#ifdef VERTEX_UV_GRADIENTS
+    let a = transformed(on_mesh(on, in.uv, by_u, by_v), base_u, base_v);
+#else
+    let a = transformed(on_screen(on, in.uv), base_u, base_v);
+#endif
+#endif
+#ifdef FRESCO_UV_B
+    let b = transformed(on_screen(on, in.uv_b), base_u, base_v);
+#endif
+
+#ifdef FRESCO_MAIN_BUMP
+#ifdef FRESCO_MAIN_UV_B
+    let uv = transformed(b, fresco.main_bump.row_u.xyz, fresco.main_bump.row_v.xyz);
+#else
+    let uv = transformed(a, fresco.main_bump.row_u.xyz, fresco.main_bump.row_v.xyz);
+#endif
+    sum = add(sum, fresco.main_bump, sample_bump(uv), uv);
+#endif
+#ifdef FRESCO_DETAIL_BUMP
+#ifdef FRESCO_DETAIL_UV_B
+    let detail_uv = transformed(b, fresco.detail_bump.row_u.xyz, fresco.detail_bump.row_v.xyz);
+#else
+    let detail_uv = transformed(a, fresco.detail_bump.row_u.xyz, fresco.detail_bump.row_v.xyz);
+#endif
+    let detail = sample_slopes(detail_slopes, detail_sampler, fresco.detail_bump, detail_uv);
+    sum = add(sum, fresco.detail_bump, detail, detail_uv);
+#endif
+
+    // The mesh's own unit may be longer than a metre, and stand aslant where it is scaled unevenly. A surface
+    // raised by F along d has the normal N (1 + ∇F · d) − ∇F (N · d), d · N apart.
+    let upright = dot(on.up, on.normal);
+    let aslant = max(1.0 + dot(sum.mesh, on.up - upright * on.normal), 1.0 / bump::MAX_SLOPE);
+    let stretch = upright / aslant;
+    var gradient = sum.world / aslant + stretch * sum.mesh;
+
+    var raised: Raised;
+    raised.variance = sum.variance_mesh * stretch * stretch + sum.variance_world / (aslant * aslant);
+    gradient += bump::gradient_of_normal(on.normal, mapped);
+#ifdef FRESCO_CURVATURE
+    gradient = bump::clamped(gradient);
+    raised.normal = bump::displaced_normal(
+        on.normal,
+        on.a,
+        on.b,
+        dpdxFine(on.normal),
+        dpdyFine(on.normal),
+        sum.height_world + upright * sum.height_mesh,
+        vec2(dot(gradient, on.a), dot(gradient, on.b)),
+    );
+#else
+    raised.normal = bump::bumped_normal(on.normal, gradient);
+#endif
+    return raised;
+}
+#endif // FRESCO_BUMP

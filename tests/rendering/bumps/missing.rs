@@ -1,0 +1,135 @@
+//! Bump test 15: what a bump needs and does not have. Surfaces are smooth, and it is told, once.
+
+use bevy::prelude::*;
+use bevy_fresco::height_map::Wrap;
+use bevy_fresco::plugin::bump::{Bump, BumpHeight, HeightImage};
+
+use super::{bump, error, on_plane, relief, show, waves_map, waves_on_grid};
+use crate::scenery::grid;
+use crate::stage::on_stage;
+
+type Make = fn(&mut World) -> (Mesh, Bump);
+
+fn without_uvs(world: &mut World) -> (Mesh, Bump) {
+    let mut mesh = grid();
+    mesh.remove_attribute(Mesh::ATTRIBUTE_UV_0);
+    mesh.remove_attribute(Mesh::ATTRIBUTE_UV_1);
+    (
+        mesh,
+        bump(world, waves_map([64; 2]), BumpHeight::World(0.2)),
+    )
+}
+
+fn without_map(_: &mut World) -> (Mesh, Bump) {
+    (grid(), Bump::new(default(), BumpHeight::World(0.2)))
+}
+
+fn constant(world: &mut World) -> (Mesh, Bump) {
+    let map = relief([8, 4], Wrap::Repeat, |_, _| 0.7);
+    (grid(), bump(world, map, BumpHeight::World(0.2)))
+}
+
+fn single(world: &mut World) -> (Mesh, Bump) {
+    let map = relief([1, 1], Wrap::Clamp, |_, _| 0.7);
+    (grid(), bump(world, map, BumpHeight::World(0.2)))
+}
+
+#[test]
+fn what_is_missing_leaves_surfaces_smooth() {
+    let cases: [(&str, Make, &str); 4] = [
+        ("no texture coordinates", without_uvs, "UV_0"),
+        ("no map", without_map, "does not exist"),
+        ("a constant map", constant, "as high everywhere"),
+        ("a map of one texel", single, "as high everywhere"),
+    ];
+    for (name, make, told) in cases {
+        on_stage(move |stage| {
+            // Without any bump Bevy's own shader draws, which shows light: so light is compared.
+            let mut shoot = |has_bump: bool| {
+                stage.shoot(
+                    |_| (),
+                    |world| {
+                        world.insert_resource(GlobalAmbientLight {
+                            brightness: 1000.0,
+                            ..default()
+                        });
+                        let light =
+                            Transform::from_xyz(1.0, 2.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y);
+                        world.spawn((DirectionalLight::default(), light));
+                        let (mesh, bump) = make(world);
+                        let bump = has_bump.then_some(bump);
+                        let entity = show(world, mesh, default(), bump, default());
+                        world.entity_mut(entity).insert(Name::new("the wall"));
+                    },
+                )
+            };
+            let smooth = shoot(false);
+            let found = shoot(true);
+            let apart = found.distance(&smooth);
+            println!("{name}: {apart:.6}");
+            assert!(apart < 1e-3, "{name}: {apart}");
+            let warnings = stage.warnings();
+            let about: Vec<_> = warnings.iter().filter(|w| w.contains("the wall")).collect();
+            assert_eq!(about.len(), 1, "{name}: {warnings:?}");
+            assert!(about[0].contains(told), "{name}: {about:?}");
+        });
+    }
+}
+
+/// A map that comes after the material was first drawn, and then another in its place.
+#[test]
+fn maps_may_come_late_and_change() {
+    on_stage(|stage| {
+        stage.show_normals(true);
+        let mut map: Handle<HeightImage> = default();
+        let smooth = stage.shoot(
+            |_| (),
+            |world| {
+                map = world.resource::<Assets<HeightImage>>().reserve_handle();
+                let late = Bump::new(map.clone(), BumpHeight::World(0.15));
+                show(world, grid(), default(), Some(late), default());
+            },
+        );
+        let (most, _) = error(&smooth, |_| Some(Vec3::Z));
+        assert!(most < 0.01, "{most}°");
+        for height in [1.0_f32, -0.5] {
+            let id = map.id();
+            let picture = stage.change(move |world| {
+                let waves = relief([256; 2], Wrap::Repeat, |u, v| {
+                    height * super::waves(Vec2::new(u, v)).0
+                });
+                world
+                    .resource_mut::<Assets<HeightImage>>()
+                    .insert(id, waves)
+                    .unwrap();
+            });
+            let truth = |i: usize| Some(waves_on_grid(on_plane(&picture, i), 0.15 * height));
+            let (most, _) = error(&picture, truth);
+            println!("waves of {height}: {most:.3}°");
+            assert!(most < 0.1, "{most}°");
+        }
+    });
+}
+
+/// Maps that are no squares, and of sizes that are no powers of two.
+#[test]
+fn maps_of_any_size_are_right() {
+    for size in [[256, 128], [200, 333], [97, 512]] {
+        let picture = on_stage(move |stage| {
+            stage.show_normals(true);
+            stage.shoot(
+                |_| (),
+                |world| {
+                    let map = waves_map(size).with_anisotropy(8);
+                    let waves = bump(world, map, BumpHeight::World(0.15));
+                    show(world, grid(), default(), Some(waves), default());
+                },
+            )
+        });
+        let truth = |i: usize| Some(waves_on_grid(on_plane(&picture, i), 0.15));
+        let (most, mean) = error(&picture, truth);
+        println!("{size:?}: {most:.3}° at most, {mean:.3}° RMS");
+        // Differences of the coarsest side: 49 texels a wave of v on 97.
+        assert!(most < 0.2, "{size:?}: {most}°");
+    }
+}
