@@ -65,8 +65,9 @@ fn asked(elements: usize, (one_of, least, most): (usize, usize, usize)) -> usize
 const CHUNK: usize = 4;
 const MANY: usize = 256;
 
-/// A mean of errors that is more than this many times what chance makes of it is no chance.
-const SIGNIFICANT: f64 = 2.0;
+/// A mean of errors whose square is more than this many times what chance makes of it is no chance: three
+/// standard errors, for a few elements right beside a lamp are most of them, and their tails are heavy.
+const SIGNIFICANT: f64 = 9.0;
 
 /// What the error is found with.
 pub(crate) struct Judge<'a> {
@@ -284,11 +285,16 @@ impl Judge<'_> {
         lost / elements.iter_area().sum::<f64>().max(f64::MIN_POSITIVE)
     }
 
-    /// Mean of `Σ_j F_ij²`, over some elements.
+    /// Mean of `Σ_j F_ij²` over the surface, as some elements tell it.
     fn concentration(&self) -> f64 {
-        let chosen = self.chosen(BOUNCED);
-        let rows = &self.traced.rows;
-        chosen.iter().map(|&e| concentration(rows, e)).sum::<f64>() / chosen.len().max(1) as f64
+        let (mut sum, mut area) = (0.0, 0.0);
+        for e in self.chosen(BOUNCED) {
+            // Elements are small where there is much light, and see much of it: they are not the surface.
+            let own = f64::from(self.view.elements.area[e]);
+            sum += own * concentration(&self.traced.rows, e);
+            area += own;
+        }
+        sum / f64::max(area, f64::MIN_POSITIVE)
     }
 
     /// By how much reflection between surfaces makes the mean of light grow.

@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use bevy_fresco::radiosity::{Bake, BakeSettings, Scene, Stopped, bake};
+use bevy_fresco::radiosity::{Bake, BakeError, BakeSettings, Scene, Stopped, bake};
 use rayon::ThreadPoolBuilder;
 
 use crate::known::error::measure;
@@ -141,7 +141,12 @@ fn memory_is_kept() {
         ..BakeSettings::DRAFT
     };
     let free = run(&scene, &settings(8 << 30));
-    let allowed = free.report.bytes / 4 * 3;
+    let refused = bake(&scene.clone().validate().unwrap(), &settings(1), &());
+    let Err(BakeError::Memory { needed, .. }) = refused else {
+        panic!("a bake in one byte");
+    };
+    // Beside what it takes in any case, room for half of the vertices.
+    let allowed = needed + 800 * vertices(&free) as u64;
     let kept = run(&scene, &settings(allowed));
     assert_eq!(kept.report.stopped, Stopped::Memory);
     assert!(
