@@ -129,7 +129,7 @@ fn maps_of_any_size_are_right() {
         let truth = |i: usize| Some(waves_on_grid(on_plane(&picture, i), 0.15));
         let (most, mean) = error(&picture, truth);
         println!("{size:?}: {most:.3}° at most, {mean:.3}° RMS");
-        // Differences of the coarsest side: 49 texels a wave of v on 97.
-        assert!(most < 0.2, "{size:?}: {most}°");
+        // A pixel shows the mean over twice its width, of 32 pixels a wave.
+        assert!(most < 0.35, "{size:?}: {most}°");
     }
 }

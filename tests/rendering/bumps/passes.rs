@@ -22,8 +22,7 @@ const HEIGHT: f32 = 0.15;
 #[derive(Asset, AsBindGroup, TypePath, Clone, Default)]
 pub(crate) struct PrepassNormals {}
 
-const PANE: Handle<Shader> =
-    bevy::asset::uuid_handle!("0d1f7f0e-6c1c-4a51-9a6d-3f4a5d0f5a11");
+const PANE: Handle<Shader> = bevy::asset::uuid_handle!("0d1f7f0e-6c1c-4a51-9a6d-3f4a5d0f5a11");
 
 impl Material for PrepassNormals {
     fn fragment_shader() -> ShaderRef {
