@@ -28,11 +28,11 @@ use bevy::render::{RenderApp, RenderPlugin};
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use bevy_fresco::height_map::{HeightMap, Wrap};
-use bevy_fresco::plugin::bump::{Bump, BumpHeight, HeightImage, insert_uv_gradients};
+use bevy_fresco::plugin::bump::{Bump, BumpFilter, BumpHeight, HeightImage, insert_uv_gradients};
 use bevy_fresco::plugin::{FrescoExtension, FrescoMaterial, FrescoMaterialPlugin};
 
 /// Pixels and texels on a side.
-const PIXELS: u32 = 768;
+const PIXELS: u32 = 512;
 const TEXELS: u32 = 512;
 const ROUNDS: usize = 40;
 
@@ -175,7 +175,11 @@ fn walls(world: &mut World) -> Vec<(&'static str, Entity)> {
         ("standard", standard(&plane, None)),
         ("standard, normal map", standard(&plane, Some(normals))),
     ];
-    let bump = Bump::new(map, BumpHeight::Uv(0.005));
+    let cubic = Bump::new(map, BumpHeight::Uv(0.005));
+    let bump = Bump {
+        filter: BumpFilter::Linear,
+        ..cubic.clone()
+    };
     let curved = Bump {
         curvature: true,
         ..bump.clone()
@@ -205,7 +209,8 @@ fn walls(world: &mut World) -> Vec<(&'static str, Entity)> {
     );
     ours("bump, with detail", &plane, 3.0, Some(&bump), Some(&bump));
     ours("bump, with curvature", &plane, 3.0, Some(&curved), None);
-    ours("bump, magnified", &plane, 0.3, Some(&bump), None);
+    ours("bump, cubic", &plane, 3.0, Some(&cubic), None);
+    ours("bump, cubic, magnified", &plane, 0.3, Some(&cubic), None);
     walls
 }
 

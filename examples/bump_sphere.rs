@@ -6,7 +6,7 @@
 
 mod common;
 
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use bevy::asset::RenderAssetUsages;
 use bevy::prelude::*;
@@ -48,7 +48,8 @@ fn setup(
     let heights = over_sphere(|at| swirls(at, 0.0)).collect();
     let map = HeightMap::new(SIZE, heights, [Wrap::Repeat, Wrap::Clamp])?;
     let bump = Bump::new(maps.add(HeightImage::new(map)), BumpHeight::Mesh(HEIGHT));
-    for (x, is_painted, has_bump) in [(-2.3, true, false), (0.0, false, true), (2.3, true, true)] {
+    for (x, is_painted, has_bump) in [(-2.15, true, false), (0.0, false, true), (2.15, true, true)]
+    {
         let material = materials.add(FrescoMaterial {
             base: StandardMaterial {
                 base_color: if is_painted {
@@ -57,7 +58,7 @@ fn setup(
                     Color::srgb(0.6, 0.6, 0.6)
                 },
                 base_color_texture: is_painted.then(|| paint.clone()),
-                perceptual_roughness: 0.45,
+                perceptual_roughness: 0.4,
                 ..default()
             },
             extension: FrescoExtension {
@@ -68,12 +69,13 @@ fn setup(
         commands.spawn((
             Mesh3d(ball.clone()),
             MeshMaterial3d(material),
-            Transform::from_xyz(x, 0.0, 0.0),
+            // Bevy's balls have their poles at front and back.
+            Transform::from_xyz(x, 0.0, 0.0).with_rotation(Quat::from_rotation_x(-FRAC_PI_2)),
         ));
     }
     let above_left = Transform::from_xyz(-3.0, 3.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y);
     commands.spawn((Lamp, DirectionalLight::default(), above_left));
-    commands.spawn((Camera3d::default(), Transform::from_xyz(0.0, 0.0, 8.4)));
+    commands.spawn((Camera3d::default(), Transform::from_xyz(0.0, 0.0, 8.2)));
     Ok(())
 }
 

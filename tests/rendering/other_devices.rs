@@ -127,6 +127,13 @@ fn compose_for(stage: &Stage, device: &Device) -> usize {
                 continue;
             }
             for extra in device.extras {
+                // Without binding arrays Bevy's own lightmaps do not compile there, and ours with them.
+                if extra.contains(&"ENVIRONMENT_MAP")
+                    && has(defs, "LIGHTMAP")
+                    && !device.has.contains(&ARRAYS[0])
+                {
+                    continue;
+                }
                 let defs = definitions(defs, device, extra);
                 if let Err(error) = cache.get(0, handle.id(), &defs) {
                     panic!("{}, {}, {extra:?}: {error:#?}", device.name, shader.path);
@@ -136,6 +143,10 @@ fn compose_for(stage: &Stage, device: &Device) -> usize {
         }
     }
     count
+}
+
+fn has(defs: &[ShaderDefVal], name: &str) -> bool {
+    defs.contains(&name.into())
 }
 
 fn definitions(found: &[ShaderDefVal], device: &Device, extra: &[&str]) -> Vec<ShaderDefVal> {

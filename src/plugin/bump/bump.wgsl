@@ -175,15 +175,15 @@ fn row_of(heights: texture_2d<f32>, columns: vec4<i32>, y: i32) -> vec4<f32> {
 }
 
 // Height and slopes between texels by a cubic, for magnified maps.
-fn cubic_relief(heights: texture_2d<f32>, uv: vec2<f32>, repeats: vec2<bool>, smoothed: bool) -> Relief {
+fn cubic_relief(heights: texture_2d<f32>, uv: vec2<f32>, repeats: vec2<bool>, passes_by: bool) -> Relief {
     let size = vec2<i32>(textureDimensions(heights, 0));
     let place = uv * vec2<f32>(size) - 0.5;
     let first = vec2<i32>(floor(place));
     let t = place - floor(place);
-    let across = select(through_texels(t.x), past_texels(t.x), smoothed);
-    let down = select(through_texels(t.y), past_texels(t.y), smoothed);
-    let across_slope = select(through_texels_slope(t.x), past_texels_slope(t.x), smoothed);
-    let down_slope = select(through_texels_slope(t.y), past_texels_slope(t.y), smoothed);
+    let across = select(through_texels(t.x), past_texels(t.x), passes_by);
+    let down = select(through_texels(t.y), past_texels(t.y), passes_by);
+    let across_slope = select(through_texels_slope(t.x), past_texels_slope(t.x), passes_by);
+    let down_slope = select(through_texels_slope(t.y), past_texels_slope(t.y), passes_by);
     let columns = inside(first.x + vec4(-1, 0, 1, 2), size.x, repeats.x);
     let rows = inside(first.y + vec4(-1, 0, 1, 2), size.y, repeats.y);
     // One column of texels each.

@@ -32,7 +32,7 @@ pub use gpu::{ArrivedHeightImages, FlatHeightImage, GpuHeightImage};
 pub use height_image::{HeightImage, HeightImageError};
 pub use loader::{HeightImageLoader, HeightImageLoaderError, HeightImageSettings};
 pub use settings::BumpKey;
-pub use settings::{Bump, BumpHeight};
+pub use settings::{Bump, BumpFilter, BumpHeight};
 pub use texels::HeightChannel;
 pub use uv_gradients::{
     ATTRIBUTE_U_GRADIENT, ATTRIBUTE_V_GRADIENT, UvGradientsError, insert_uv_gradients,

@@ -26,14 +26,29 @@ pub struct Bump {
     /// Applied to texture coordinates after [`StandardMaterial::uv_transform`], which is followed. A scale of
     /// 4 shows the map four times along each side, with the same height.
     pub uv_transform: Affine2,
-    /// Where the map is magnified, take the cubic that passes by the texels (B-spline) in place of the one
-    /// through them (Catmull–Rom): rounds the steps of 8-bit maps off, and makes fine relief lower. A detail
-    /// bump is never smoothed.
-    pub smooth: bool,
+    /// How slopes are found between texels, where the map is magnified.
+    pub filter: BumpFilter,
     /// Keep the term that Blinn leaves out, as is right where relief is high beside the radius of curvature:
     /// normals are then those of the displaced surface. Costs a further texture read. Not for a detail
     /// bump.
     pub curvature: bool,
+}
+
+/// How slopes are found between the texels of a map that is magnified. Detail bumps are always
+/// [`Linear`](Self::Linear).
+#[derive(Reflect, Debug, Default, Clone, Copy, PartialEq, Eq)]
+#[reflect(Default, Debug, Clone, PartialEq)]
+pub enum BumpFilter {
+    /// Slopes of texels, with straight lines between: one texture read. Light on it has creases along texels,
+    /// which show under strong magnification.
+    Linear,
+    /// The slope of a cubic through the texels, 16 reads where a texel is larger than a pixel. Graphics cards
+    /// leave them out elsewhere, software renderers do not.
+    #[default]
+    CatmullRom,
+    /// The slope of a cubic that passes by the texels: as many reads. Rounds the steps of 8-bit maps off, and
+    /// makes fine relief lower.
+    BSpline,
 }
 
 /// How far 1 of a height map stands out beyond 0.
@@ -74,7 +89,7 @@ impl Default for Bump {
             height: BumpHeight::default(),
             uv_channel: UvChannel::Uv0,
             uv_transform: Affine2::IDENTITY,
-            smooth: false,
+            filter: BumpFilter::default(),
             curvature: false,
         }
     }
@@ -102,6 +117,7 @@ impl BumpKey {
     const DETAIL: u8 = 4;
     const DETAIL_UV_B: u8 = 8;
     const CURVATURE: u8 = 16;
+    const CUBIC: u8 = 32;
 
     /// The key of a material with these bumps.
     pub(in crate::plugin) fn new(main: Option<&Bump>, detail: Option<&Bump>) -> Self {
@@ -111,10 +127,12 @@ impl BumpKey {
             Some(_) => present,
         };
         let curvature = main.is_some_and(|bump| bump.curvature);
+        let cubic = main.is_some_and(|bump| bump.filter != BumpFilter::Linear);
         Self(
             of(main, Self::MAIN, Self::MAIN_UV_B)
                 | of(detail, Self::DETAIL, Self::DETAIL_UV_B)
-                | if curvature { Self::CURVATURE } else { 0 },
+                | if curvature { Self::CURVATURE } else { 0 }
+                | if cubic { Self::CUBIC } else { 0 },
         )
     }
 
@@ -126,7 +144,7 @@ impl BumpKey {
     pub(in crate::plugin) fn on_mesh(self, has_uv: [bool; 2]) -> Self {
         let mut left = self.0;
         if !has_uv[usize::from(self.has(Self::MAIN_UV_B))] {
-            left &= !(Self::MAIN | Self::MAIN_UV_B | Self::CURVATURE);
+            left &= !(Self::MAIN | Self::MAIN_UV_B | Self::CURVATURE | Self::CUBIC);
         }
         if !has_uv[usize::from(self.has(Self::DETAIL_UV_B))] {
             left &= !(Self::DETAIL | Self::DETAIL_UV_B);
@@ -156,6 +174,7 @@ impl BumpKey {
             (self.has(Self::DETAIL), "FRESCO_DETAIL_BUMP"),
             (self.has(Self::DETAIL_UV_B), "FRESCO_DETAIL_UV_B"),
             (self.has(Self::CURVATURE), "FRESCO_CURVATURE"),
+            (self.has(Self::CUBIC), "FRESCO_CUBIC"),
         ]
         .into_iter()
         .filter_map(|(is_set, name)| is_set.then_some(name))
@@ -182,8 +201,9 @@ impl BumpUniform {
             translation: t,
         } = bump.uv_transform;
         let [height, unit] = bump.height.parts();
+        let passes_by = bump.filter == BumpFilter::BSpline;
         let repeats = |axis: usize| map.wrap[axis] == Wrap::Repeat;
-        let bits = u8::from(repeats(0)) | u8::from(repeats(1)) << 1 | u8::from(bump.smooth) << 2;
+        let bits = u8::from(repeats(0)) | u8::from(repeats(1)) << 1 | u8::from(passes_by) << 2;
         Self {
             row_u: Vec4::new(m.x_axis.x, m.y_axis.x, t.x, height),
             row_v: Vec4::new(m.x_axis.y, m.y_axis.y, t.y, unit),

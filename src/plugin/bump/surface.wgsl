@@ -18,7 +18,7 @@ struct Bump {
     // Rows of the transform of texture coordinates; w: height of the map's 1, and what it is measured in.
     row_u: vec4<f32>,
     row_v: vec4<f32>,
-    // Size of the map, unit of its slopes, bits: what repeats, whether it is smoothed.
+    // Size of the map, unit of its slopes, bits: what repeats, whether the cubic passes by texels.
     size: vec4<f32>,
     // Of heights: that of the texture's 0, and how much higher its 1 is.
     range: vec4<f32>,
@@ -46,7 +46,7 @@ const IN_UV: f32 = 2.0;
 
 const REPEATS_U: u32 = 1u;
 const REPEATS_V: u32 = 2u;
-const SMOOTHED: u32 = 4u;
+const PASSES_BY: u32 = 4u;
 
 // A surface as it is without relief, and all that bumps need of it, found where all pixels of a quad run.
 struct Surface {
@@ -172,16 +172,20 @@ fn add(sum: Sum, one: Bump, relief: bump::Relief, uv: Coordinates) -> Sum {
 fn sample_bump(uv: Coordinates) -> bump::Relief {
     let one = fresco.main_bump;
     var relief = sample_slopes(bump_slopes, bump_sampler, one, uv);
+#ifdef FRESCO_CUBIC
     let magnified = bump::magnified(uv.dx, uv.dy, one.size.xy);
     // The first condition always holds. It stands there for Mesa 22.3's lavapipe, which crashes on conditions
     // in which it finds uniforms before it finds something else.
     if abs(relief.slopes.x) < bump::HUGE && magnified > 0.0 {
         let bits = u32(one.size.w);
         let repeats = vec2((bits & REPEATS_U) != 0u, (bits & REPEATS_V) != 0u);
-        let cubic = bump::cubic_relief(bump_heights, uv.at, repeats, (bits & SMOOTHED) != 0u);
+        let cubic = bump::cubic_relief(bump_heights, uv.at, repeats, (bits & PASSES_BY) != 0u);
         relief.slopes = mix(relief.slopes, one.range.y * cubic.slopes, magnified);
         relief.variance *= 1.0 - magnified;
     }
+#else
+    relief.variance *= 1.0 - bump::magnified(uv.dx, uv.dy, one.size.xy);
+#endif
 #ifdef FRESCO_CURVATURE
     let bias = exp2(view.mip_bias);
     let texel = textureSampleGrad(bump_heights, bump_sampler, uv.at, bias * uv.dx, bias * uv.dy);

@@ -114,14 +114,22 @@ fn maps_may_come_late_and_change() {
 /// Maps that are no squares, and of sizes that are no powers of two.
 #[test]
 fn maps_of_any_size_are_right() {
-    for size in [[256, 128], [200, 333], [97, 512]] {
+    // Waves of 40 to 50 texels, where slopes lie half-way between cubic and straight. And minified: filters blur
+    // waves of 32 pixels, the more the less square texels are. A wrong side would be off by tens of degrees.
+    let cases = [
+        ([48, 80], 0.4),
+        ([96, 64], 0.4),
+        ([256, 128], 0.5),
+        ([200, 333], 1.0),
+        ([97, 512], 1.5),
+    ];
+    for (size, limit) in cases {
         let picture = on_stage(move |stage| {
             stage.show_normals(true);
             stage.shoot(
                 |_| (),
                 |world| {
-                    let map = waves_map(size).with_anisotropy(8);
-                    let waves = bump(world, map, BumpHeight::World(0.15));
+                    let waves = bump(world, waves_map(size), BumpHeight::World(0.15));
                     show(world, grid(), default(), Some(waves), default());
                 },
             )
@@ -129,7 +137,6 @@ fn maps_of_any_size_are_right() {
         let truth = |i: usize| Some(waves_on_grid(on_plane(&picture, i), 0.15));
         let (most, mean) = error(&picture, truth);
         println!("{size:?}: {most:.3}° at most, {mean:.3}° RMS");
-        // Differences of the coarsest side: 49 texels a wave of v on 97.
-        assert!(most < 0.2, "{size:?}: {most}°");
+        assert!(most < limit, "{size:?}: {most}°");
     }
 }
