@@ -238,7 +238,8 @@ mod tests {
         let found = top.variance();
         assert!((found.x / truth - 1.0).abs() < 0.01, "{found} for {truth}");
         assert!(found.y < 1e-6 * truth);
-        assert!(pyramid.steepest() > 0.99 * 0.02 * TAU * 8.0);
+        // No texel lies where it is steepest.
+        assert!(pyramid.steepest() > 0.98 * 0.02 * TAU * 8.0);
     }
 
     #[test]

@@ -129,10 +129,10 @@ mod tests {
         let words = |v: f32| ((v * 65535.0).round() as u16).to_le_bytes();
         let four = |v: f32| [bytes(v), bytes(v), bytes(v), 255];
         let cases: [(F, Vec<u8>, f32); 9] = [
-            (F::R8Unorm, ramp.map(bytes).to_vec(), 0.5 / 255.0),
-            (F::Rgba8Unorm, ramp.map(four).concat(), 0.5 / 255.0),
-            (F::Rgba8UnormSrgb, ramp.map(four).concat(), 0.5 / 255.0),
-            (F::Bgra8UnormSrgb, ramp.map(four).concat(), 0.5 / 255.0),
+            (F::R8Unorm, ramp.map(bytes).to_vec(), 0.51 / 255.0),
+            (F::Rgba8Unorm, ramp.map(four).concat(), 0.51 / 255.0),
+            (F::Rgba8UnormSrgb, ramp.map(four).concat(), 0.51 / 255.0),
+            (F::Bgra8UnormSrgb, ramp.map(four).concat(), 0.51 / 255.0),
             (F::R16Uint, ramp.map(words).concat(), 1e-5),
             (F::R16Unorm, ramp.map(words).concat(), 1e-5),
             (

@@ -1,6 +1,6 @@
 use std::collections::HashSet;
 
-use bevy::asset::LoadState;
+use bevy::asset::{AssetLoadFailedEvent, LoadState};
 use bevy::mesh::UvChannel;
 use bevy::prelude::*;
 use thiserror::Error;
@@ -35,7 +35,10 @@ pub enum BumpProblem {
 struct Told(HashSet<(Entity, BumpProblem)>);
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<Told>().add_systems(PostUpdate, warn);
+    let has_assets =
+        resource_exists::<Assets<Mesh>>.and_then(resource_exists::<Assets<FrescoMaterial>>);
+    app.init_resource::<Told>()
+        .add_systems(PostUpdate, warn.run_if(has_assets));
 }
 
 /// Entities are looked at when they, their meshes, materials or maps change.
@@ -50,17 +53,14 @@ fn warn(
     mut changed_meshes: MessageReader<AssetEvent<Mesh>>,
     mut changed_materials: MessageReader<AssetEvent<FrescoMaterial>>,
     mut changed_maps: MessageReader<AssetEvent<HeightImage>>,
-    mut failed_maps: MessageReader<bevy::asset::AssetLoadFailedEvent<HeightImage>>,
+    mut failed_maps: MessageReader<AssetLoadFailedEvent<HeightImage>>,
     (meshes, materials, maps): (
-        Option<Res<Assets<Mesh>>>,
-        Option<Res<Assets<FrescoMaterial>>>,
+        Res<Assets<Mesh>>,
+        Res<Assets<FrescoMaterial>>,
         Res<Assets<HeightImage>>,
     ),
     server: Res<AssetServer>,
 ) {
-    let (Some(meshes), Some(materials)) = (meshes, materials) else {
-        return;
-    };
     let assets_changed = changed_meshes.read().count()
         + changed_materials.read().count()
         + changed_maps.read().count()
