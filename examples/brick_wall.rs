@@ -89,12 +89,12 @@ fn setup(
         MeshMaterial3d(materials.add(FrescoMaterial {
             base: StandardMaterial {
                 base_color: Color::BLACK,
-                emissive: LinearRgba::rgb(60.0, 45.0, 28.0),
+                emissive: LinearRgba::rgb(45.0, 34.0, 21.0),
                 ..default()
             },
             extension: FrescoExtension::default(),
         })),
-        Transform::from_xyz(-1.5, 1.3, 0.5),
+        Transform::from_xyz(-1.0, 1.3, 0.5),
     );
     commands.spawn((
         StaticLighting::default(),
@@ -104,7 +104,7 @@ fn setup(
     ));
     commands.spawn((
         Camera3d::default(),
-        Transform::from_xyz(-0.2, 1.5, 4.4).looking_at(Vec3::new(0.1, 1.2, 0.0), Vec3::Y),
+        Transform::from_xyz(-0.1, 1.5, 4.4).looking_at(Vec3::new(0.2, 1.25, 0.0), Vec3::Y),
     ));
     Ok(())
 }

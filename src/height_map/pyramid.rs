@@ -178,8 +178,8 @@ mod tests {
     use std::f32::consts::TAU;
 
     use super::*;
+    use crate::height_map::test_photos::noise;
     use crate::height_map::{Kernel, Wrap};
-    use crate::mesh::test_meshes::random;
 
     fn map(size: [u32; 2], height: impl Fn(u32, u32) -> f32) -> HeightMap {
         let heights = (0..size[0] * size[1]).map(|i| height(i % size[0], i / size[0]));
@@ -188,9 +188,7 @@ mod tests {
 
     #[test]
     fn the_finest_level_has_the_slopes_of_the_map() {
-        let random = &mut random(1);
-        let noise: Vec<f32> = (0..5 * 7).map(|_| random()).collect();
-        let map = map([5, 7], |x, y| noise[(y * 5 + x) as usize]);
+        let map = map([5, 7], |x, y| noise(x, y, 1));
         let pyramid = Pyramid::new(&map);
         for (i, texel) in pyramid.levels()[0].texels().iter().enumerate() {
             let (x, y) = ((i % 5) as f32 + 0.5, (i / 5) as f32 + 0.5);
@@ -204,9 +202,7 @@ mod tests {
     #[test]
     fn nothing_is_lost_on_the_way_up() {
         for size in [[8, 8], [7, 5], [13, 1], [1, 1], [16, 3]] {
-            let random = &mut random(2);
-            let noise: Vec<f32> = (0..size[0] * size[1]).map(|_| random()).collect();
-            let pyramid = Pyramid::new(&map(size, |x, y| noise[(y * size[0] + x) as usize]));
+            let pyramid = Pyramid::new(&map(size, |x, y| noise(x, y, 2)));
             let mean = |level: &Level| {
                 let share = 1.0 / level.texels().len() as f32;
                 let sum = |sum: Moments, t: &Moments| sum.plus(t.weighted(share));

@@ -102,6 +102,8 @@ fn what_is_mirrored_has_mirrored_relief() {
             bump.uv_transform =
                 Affine2::from_mat2_translation(Mat2::from_diagonal(Vec2::new(-1.0, 1.0)), Vec2::X);
         });
+        // Against the closed form, not against a picture of the same: so it has the error of the map as well,
+        // as in test 1.
         assert_waves("mirrored texture coordinates", &picture, 0.1);
     }
 }
