@@ -17,7 +17,7 @@ use super::color::luminance;
 /// ```
 ///
 /// in luminance; the colour stays. Where `n′ = n` it is the light itself, to the last bit. The result is
-/// not negative, and at most [`MOST`](self) times the light.
+/// not negative, and at most 16 times the light.
 ///
 /// `G` is the rotational gradient of irradiance (Ward and Heckbert 1992, "Irradiance Gradients"), but
 /// one that is as right as can be at a slope of 30°. The light that counts is what arrives
