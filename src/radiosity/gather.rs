@@ -352,9 +352,8 @@ impl Gather<'_> {
             for ray in first..first + rays {
                 // Those not cast see the mean.
                 if bundle.ids[ray as usize] != NOT_CAST {
-                    let [u, v, ..] = sobol(ray, 2, patch.seed);
                     let apart = levels[ray as usize] - mean;
-                    sum += gradient_about_z(cosine_hemisphere(u, v)) * apart;
+                    sum += gradient_about_z(patch.direction(ray)) * apart;
                 }
             }
             let around = frame(patch.place(i as u32).1.shading);

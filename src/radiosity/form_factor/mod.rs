@@ -85,9 +85,7 @@ impl View<'_> {
     fn cast(&self, e: usize, i: u32) -> Cast {
         let id = ElementId(e as u32);
         let seed = self.elements.seed(id, self.settings.seed);
-        // Light differs more with direction than from end to end of an element, and the first two dimensions
-        // are spread most evenly.
-        let [s, t, u, v] = sobol(i, 0, seed);
+        let [u, v, s, t] = sobol(i, 0, seed);
         let point = self.elements.point(self.scene, id, u, v);
         let direction = frame(point.normal) * cosine_hemisphere(s, t);
         let origin = point.position + point.normal * OFFSET;
