@@ -7,7 +7,7 @@ use crate::radiosity::settings::BakeSettings;
 
 /// Share of the error asked for that the size of elements may leave, and as much that chance may
 /// in their rays: together what vertices leave to them.
-const ELEMENTS: f64 = 0.45;
+const ELEMENTS: f64 = 0.36;
 
 /// What elements leave out goes down as their number to the power of −0.75, and what
 /// chance leaves as that of their rays to the power of −0.7 (measured on the Cornell box).
