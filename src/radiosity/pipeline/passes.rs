@@ -33,6 +33,8 @@ pub(crate) struct Pass {
 /// What the next pass does.
 #[derive(Clone, Copy, Debug)]
 struct Effort {
+    /// Relative RMSE that vertices may leave.
+    aim: f64,
     /// Relative RMSE that the meshes may leave.
     mesh: ByKind<f64>,
     /// Samples, so many times what the settings say.
@@ -96,7 +98,7 @@ const NOT_WORTH: f64 = 0.8;
 
 /// From one pass to the next, so many times the vertices at most, these counted at least.
 const MORE_VERTICES: usize = 8;
-const FEW_VERTICES: usize = 1024;
+const FEW_VERTICES: usize = 2048;
 
 /// A pass is of use if it leaves this share of the error of the one before, or less.
 const USEFUL: f64 = 0.85;
@@ -142,6 +144,7 @@ impl Run<'_> {
             .sqrt()
             .max(VERTICES * asked);
         let mut effort = Effort {
+            aim,
             mesh: MESH.with(FIT, |share, fit| share * aim / fit),
             samples: SAMPLES.map(|share| first_samples(share * aim)),
         };
@@ -180,7 +183,7 @@ impl Run<'_> {
             let full = pass.refinement.full.is_some_and(|had| had >= most);
             let useful = (best.as_ref()).is_none_or(|b| total <= USEFUL * b.bound());
             useless = if useful { 0 } else { useless + 1 };
-            let next = self.next(&pass, effort, aim, full);
+            let next = self.next(&pass, effort, full);
             let Some(next) = next.filter(|_| left > 0 && (full || useless < USELESS)) else {
                 return Ok(pass.or_better(best).stopped(match (full, by_memory) {
                     (true, true) => Stopped::Memory,
@@ -220,7 +223,7 @@ impl Run<'_> {
             }
         };
         let mut pass = self.pass(gather, shining, meshes, effort.samples, before)?;
-        let control = self.control(gather, shining, &pass.receivers, &pass.fitted)?;
+        let control = self.control(gather, shining, &pass.receivers, (&pass.fitted, effort.aim))?;
         pass.control = Some(control);
         Ok(pass)
     }
@@ -249,9 +252,9 @@ impl Run<'_> {
     }
 
     /// Where the next pass does more, or less; `None` if nothing would help.
-    fn next(&self, pass: &Pass, effort: Effort, aim: f64, full: bool) -> Option<Effort> {
+    fn next(&self, pass: &Pass, effort: Effort, full: bool) -> Option<Effort> {
         let found = Parts::found(pass);
-        let may = found.cut_down_to(AIM * aim, aim);
+        let may = found.cut_down_to(AIM * effort.aim, effort.aim);
         let times = |error: f64, may: f64, power: f64| {
             ((error / may.max(f64::MIN_POSITIVE)).powf(power))
                 .clamp(1.0 / MORE_SAMPLES, MORE_SAMPLES)
@@ -269,6 +272,7 @@ impl Run<'_> {
         });
         let remade = !full && finer.smooth.min(finer.sharp) < 1.0;
         let next = Effort {
+            aim: effort.aim,
             mesh: match full {
                 true => effort.mesh,
                 // It may have had no room for what it was asked.

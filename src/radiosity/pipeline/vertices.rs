@@ -254,11 +254,11 @@ impl Run<'_> {
         gather: &Gather,
         shining: &Shining,
         receivers: &Receivers,
-        fitted: &Fit,
+        (fitted, aim): (&Fit, f64),
     ) -> Result<Control, BakeError> {
         self.stage(Stage::Error, |run| {
             let meshes = &receivers.fine;
-            let control = Control::run(gather, shining, meshes, fitted, run.observer)?;
+            let control = Control::run(gather, shining, meshes, fitted, aim, run.observer)?;
             run.work.error_rays += control.rays;
             Ok(control)
         })

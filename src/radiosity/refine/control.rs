@@ -68,7 +68,7 @@ const BATCHES: u32 = 8;
 const RAYS: f32 = 2.5;
 const RAYS_LIMITS: (u32, u32) = (64, 512);
 
-/// The standard error may be this share of the square of what is asked, or of what is found.
+/// The standard error may be this share of the square of what is aimed at, or of what is found.
 const CERTAIN: f64 = 0.15;
 
 /// Points a thread asks at a time.
@@ -113,16 +113,17 @@ impl Points {
 }
 
 impl Control {
-    /// Asks for the light and compares it with that of the unknowns of `meshes`.
+    /// Asks for the light and compares it with that of the unknowns of `meshes`, until that tells whether
+    /// they are within `aim` (relative RMSE): another pass takes far longer than more points.
     pub(crate) fn run(
         gather: &Gather,
         shining: &Shining,
         meshes: &ReceiverMeshes,
         fitted: &Fit,
+        aim: f64,
         observer: &dyn Observer,
     ) -> Result<Self, Cancelled> {
         let triangles = Triangles::new(meshes, &fitted.light);
-        let aim = f64::from(gather.settings.error).powi(2);
         let (mut points, mut rays) = (Points::default(), 0);
         for batch in 0..BATCHES {
             let ask = Ask {
@@ -140,7 +141,9 @@ impl Control {
             rays += parts.iter().map(|part| part.1).sum::<u64>();
             points.add(parts.into_iter().flat_map(|part| part.0));
             let found = points.found(|p| p.whole);
-            if found.uncertain <= CERTAIN * aim.max(found.square) {
+            let certain = found.uncertain <= CERTAIN * found.square.max(aim * aim);
+            let decided = found.bound() <= aim || found.sure() > aim;
+            if certain && decided {
                 break;
             }
         }

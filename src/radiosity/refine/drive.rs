@@ -1,4 +1,5 @@
 use std::collections::BTreeSet;
+use std::mem;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -82,26 +83,13 @@ pub(crate) struct Asked {
     pub(crate) max_vertices: usize,
 }
 
-/// When to stop.
-#[derive(Clone, Copy, Debug)]
-struct Goal {
-    kind: Kind,
-    /// Relative RMSE that the mesh may leave.
-    error: f64,
-    /// Vertices of all meshes together.
-    max_vertices: usize,
-    /// No edge is cut into halves shorter than this, in internal units.
-    min_edge: f32,
-}
-
 /// What came of it.
 struct Outcome {
     by: Vec<Option<Arc<Refined>>>,
     /// Relative RMSE that the mesh leaves.
     error: f64,
-    /// There were as many vertices as there may be.
+    /// There were as many vertices as there may be, and that was too few.
     full: bool,
-    rays: u64,
 }
 
 /// Share of the vertices that the coarse meshes may have at first.
@@ -146,6 +134,10 @@ struct Work<'a> {
     objects: Vec<usize>,
     conforming: Conforming,
     faces: Vec<FaceLight>,
+    /// Faces that are to be judged.
+    stale: BTreeSet<u32>,
+    /// Vertices of meshes that are not refined.
+    others: usize,
     /// Of each face: its part of the mean square error times the whole area, relative to the level.
     errors: Vec<f64>,
     rays: u64,
@@ -161,27 +153,23 @@ impl Refiner<'_> {
         asked: &Asked,
         earlier: Option<&Refinement>,
     ) -> Result<Refinement, Cancelled> {
-        let goal = |kind, max_vertices| Goal {
-            kind,
-            error: asked.error.of(kind),
-            max_vertices,
-            min_edge: MIN_EDGE,
-        };
         let mut coarse_at_most = (COARSE * asked.max_vertices as f64) as usize;
-        let mut smooth = match earlier.filter(|e| e.error.smooth <= asked.error.smooth) {
-            Some(earlier) => Outcome {
-                by: earlier.coarse.clone(),
-                error: earlier.error.smooth,
-                full: false,
-                rays: 0,
-            },
-            None => self.run(given, &goal(Kind::Smooth, coarse_at_most), self.half_way())?,
-        };
-        let mut rays = smooth.rays;
-        let sharp = loop {
+        let earlier = earlier.filter(|e| e.error.smooth <= asked.error.smooth);
+        let mut work = Work::new(self, given, Kind::Smooth);
+        let mut rays = 0;
+        let (smooth, sharp) = loop {
+            let smooth = match earlier {
+                Some(earlier) => Outcome {
+                    by: earlier.coarse.clone(),
+                    error: earlier.error.smooth,
+                    full: false,
+                },
+                None => work.run(asked.error.smooth, coarse_at_most, self.half_way())?,
+            };
             let coarse = given.refined(scene, &smooth.by);
-            let sharp = self.run(&coarse, &goal(Kind::Sharp, asked.max_vertices), self.until)?;
-            rays += sharp.rays;
+            let mut finer = Work::new(self, &coarse, Kind::Sharp);
+            let sharp = finer.run(asked.error.sharp, asked.max_vertices, self.until)?;
+            rays += finer.rays;
             let used = coarse.refined(scene, &sharp.by).vertex_count();
             let room = asked.max_vertices.saturating_sub(used);
             if !smooth.full
@@ -189,12 +177,10 @@ impl Refiner<'_> {
                 || is_over(self.until)
                 || room * WORTH_FILLING < asked.max_vertices
             {
-                break sharp;
+                break (smooth, sharp);
             }
             // Shadows leave room that was kept for them.
             coarse_at_most += room;
-            smooth = self.run(given, &goal(Kind::Smooth, coarse_at_most), self.half_way())?;
-            rays += smooth.rays;
         };
         Ok(Refinement {
             error: ByKind {
@@ -204,44 +190,15 @@ impl Refiner<'_> {
             full: (smooth.full || sharp.full).then_some(asked.max_vertices),
             coarse: smooth.by,
             fine: sharp.by,
-            rays,
+            rays: work.rays + rays,
         })
     }
 
-    /// Refines `meshes` until the goal is reached, or it is late.
-    fn run(
-        &self,
-        meshes: &ReceiverMeshes,
-        goal: &Goal,
-        until: Option<Instant>,
-    ) -> Result<Outcome, Cancelled> {
-        let mut work = Work::new(self, &meshes.meshes, goal.kind);
-        let kept = meshes.vertex_count() - work.conforming.vertex_count();
-        let limits = Limits {
-            max_vertices: goal.max_vertices.saturating_sub(kept),
-            min_edge: goal.min_edge,
-        };
-        let mut full = !work.cut_long_edges(&limits);
-        let mut stale: BTreeSet<u32> = (0..work.conforming.faces()).collect();
-        let mut error = 0.0;
-        for _ in 0..ROUNDS {
-            work.judge(&stale)?;
-            work.weigh();
-            error = work.error();
-            if full || error <= goal.error || is_over(until) {
-                break;
-            }
-            (stale, full) = work.cut_worst(&limits);
-            if stale.is_empty() {
-                break;
-            }
-        }
-        Ok(Outcome {
-            error,
-            full,
-            rays: work.rays,
-            by: work.finish(),
-        })
+    /// When half of the time is over.
+    fn half_way(&self) -> Option<Instant> {
+        let now = Instant::now();
+        self.until
+            .map(|until| now + until.saturating_duration_since(now) / 2)
     }
 }
 
@@ -258,18 +215,10 @@ fn hand_on(faces: &mut Vec<FaceLight>, changed: &mut BTreeSet<u32>) -> impl FnMu
     }
 }
 
-impl Refiner<'_> {
-    /// When half of the time is over.
-    fn half_way(&self) -> Option<Instant> {
-        let now = Instant::now();
-        self.until
-            .map(|until| now + until.saturating_duration_since(now) / 2)
-    }
-}
-
 impl<'a> Work<'a> {
-    fn new(refiner: &'a Refiner, meshes: &'a [ReceiverMesh], kind: Kind) -> Self {
-        let scene = refiner.gather.scene;
+    fn new(refiner: &'a Refiner, meshes: &'a ReceiverMeshes, kind: Kind) -> Self {
+        let (scene, vertices) = (refiner.gather.scene, meshes.vertex_count());
+        let meshes = &*meshes.meshes;
         let refines = |&o: &usize| scene.objects[o].refine && !meshes[o].triangles.is_empty();
         let objects: Vec<usize> = (0..meshes.len()).filter(refines).collect();
         let parts: Vec<Part> = (objects.iter())
@@ -282,6 +231,8 @@ impl<'a> Work<'a> {
         let conforming = Conforming::new(&parts, OFFSET);
         Self {
             faces: vec![FaceLight::default(); conforming.faces() as usize],
+            stale: (0..conforming.faces()).collect(),
+            others: vertices - conforming.vertex_count(),
             probe: Probe::new(
                 refiner.gather,
                 refiner.shining,
@@ -301,9 +252,44 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Bisects a face and hands its samples on; tells which faces are others now.
-    fn bisect(&mut self, face: u32, limits: &Limits, changed: &mut BTreeSet<u32>) -> Bisected {
-        let told = &mut hand_on(&mut self.faces, changed);
+    /// Refines the meshes further, until they leave no more than an error (relative RMSE), all of them
+    /// together have too many vertices, or it is late.
+    fn run(
+        &mut self,
+        asked: f64,
+        max_vertices: usize,
+        until: Option<Instant>,
+    ) -> Result<Outcome, Cancelled> {
+        let limits = Limits {
+            max_vertices: max_vertices.saturating_sub(self.others),
+            min_edge: MIN_EDGE,
+        };
+        let mut full = !self.cut_long_edges(&limits);
+        let mut error = 0.0;
+        for _ in 0..ROUNDS {
+            self.judge()?;
+            self.weigh();
+            error = self.error();
+            let good = error <= asked;
+            full &= !good;
+            if full || good || is_over(until) {
+                break;
+            }
+            full = !self.cut_worst(&limits);
+            if self.stale.is_empty() {
+                break;
+            }
+        }
+        Ok(Outcome {
+            error,
+            full,
+            by: self.refined(),
+        })
+    }
+
+    /// Bisects a face and hands its samples on.
+    fn bisect(&mut self, face: u32, limits: &Limits) -> Bisected {
+        let told = &mut hand_on(&mut self.faces, &mut self.stale);
         self.conforming.bisect(face, limits, told)
     }
 
@@ -320,13 +306,7 @@ impl<'a> Work<'a> {
     /// ```
     ///
     /// An end that a vertex is at already is not cut.
-    fn follow(
-        &mut self,
-        mut face: u32,
-        step: Step,
-        limits: &Limits,
-        changed: &mut BTreeSet<u32>,
-    ) -> Bisected {
+    fn follow(&mut self, mut face: u32, step: Step, limits: &Limits) -> Bisected {
         let mut outcome = Bisected::Refused;
         // What is left of the two edges, beside all of them.
         let mut left = [1.0_f32; 2];
@@ -339,7 +319,7 @@ impl<'a> Work<'a> {
             let share = at / left[edge];
             let lone = step.lone;
             let mut cut_off = face;
-            let told = &mut hand_on(&mut self.faces, changed);
+            let told = &mut hand_on(&mut self.faces, &mut self.stale);
             let told = &mut |cut: Bisection| {
                 told(cut);
                 // An edge that ends at the lone corner leaves it to the other piece.
@@ -367,7 +347,7 @@ impl<'a> Work<'a> {
             let [a, b, c] = self.conforming.corners(face);
             let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
             if longest > self.refiner.max_edge {
-                match self.bisect(face, limits, &mut BTreeSet::new()) {
+                match self.bisect(face, limits) {
                     Bisected::Done => continue,
                     Bisected::Full => return false,
                     Bisected::Refused => {}
@@ -378,43 +358,43 @@ impl<'a> Work<'a> {
         true
     }
 
-    /// Cuts the worst faces. Which faces are others now, and whether the room was used up.
-    fn cut_worst(&mut self, limits: &Limits) -> (BTreeSet<u32>, bool) {
+    /// Cuts the worst faces. Whether there was room.
+    fn cut_worst(&mut self, limits: &Limits) -> bool {
         let mut worst: Vec<(u32, f64)> = (0..)
             .zip(self.errors.iter().copied())
             .filter(|(_, error)| *error > 0.0)
             .collect();
         worst.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         let all: f64 = worst.iter().map(|(_, error)| error).sum();
-        let (mut changed, mut cut) = (BTreeSet::new(), 0.0);
+        let mut cut = 0.0;
         for (face, error) in worst {
             if cut >= BULK * all {
                 break;
             }
-            if changed.contains(&face) {
+            if self.stale.contains(&face) {
                 cut += error;
                 continue;
             }
             let followed = match self.faces[face as usize].step {
-                Some(step) => self.follow(face, step, limits, &mut changed),
+                Some(step) => self.follow(face, step, limits),
                 None => Bisected::Refused,
             };
             let bisected = match followed {
-                Bisected::Refused => self.bisect(face, limits, &mut changed),
+                Bisected::Refused => self.bisect(face, limits),
                 done => done,
             };
             match bisected {
                 Bisected::Done => cut += error,
                 Bisected::Refused => {}
-                Bisected::Full => return (changed, true),
+                Bisected::Full => return false,
             }
         }
-        (changed, false)
+        true
     }
 
     /// Asks for light where faces are new, and judges them.
-    fn judge(&mut self, faces: &BTreeSet<u32>) -> Result<(), Cancelled> {
-        let faces: Vec<u32> = faces.iter().copied().collect();
+    fn judge(&mut self) -> Result<(), Cancelled> {
+        let faces: Vec<u32> = mem::take(&mut self.stale).into_iter().collect();
         let observer = self.refiner.observer;
         let asked = map_ranges(faces.len(), CHUNK, Stage::Refine, observer, |range| {
             let mut rays = 0;
@@ -517,9 +497,14 @@ impl<'a> Work<'a> {
         (0..self.conforming.faces()).map(corners).collect()
     }
 
-    fn finish(self) -> Vec<Option<Arc<Refined>>> {
+    /// The meshes as they are now.
+    fn refined(&self) -> Vec<Option<Arc<Refined>>> {
         let mut by = vec![None; self.meshes.len()];
-        for (&object, refined) in self.objects.iter().zip(self.conforming.into_parts()) {
+        for (&object, refined) in self
+            .objects
+            .iter()
+            .zip(self.conforming.clone().into_parts())
+        {
             let is_new = |o: &Origin| matches!(o, Origin::Between(_));
             if refined.origins.iter().any(is_new) {
                 by[object] = Some(Arc::new(refined));
