@@ -70,6 +70,12 @@ pub(crate) fn cosine_hemisphere(u: f32, v: f32) -> Vec3 {
     Vec3::new(r * cos, r * sin, (1.0 - r * r).max(0.0).sqrt())
 }
 
+/// Direction `index` of a sequence about +Z with density cos θ / π.
+pub(crate) fn cosine_direction(index: u32, seed: u32) -> Vec3 {
+    let [u, v] = sobol_2d(index, seed);
+    cosine_hemisphere(u, v)
+}
+
 /// Rotates +Z onto a unit normal (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 pub(crate) fn frame(n: Vec3) -> Mat3 {
     let sign = 1.0_f32.copysign(n.z);

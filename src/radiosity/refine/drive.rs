@@ -107,11 +107,12 @@ const BULK: f64 = 0.6;
 /// Rounds at most. A round halves faces, so this many cut any face down to nothing.
 const ROUNDS: usize = 60;
 
-/// Gathering rays of either set at a point, beside the error asked for: what noise hides cannot be
-/// found. So many at least: with fewer, a hot spot that one of them meets looks like detail, and meshes
-/// follow it.
-const RAYS: f32 = 0.48;
+/// Rays of either set at a point, gathering ones and those to each light with a penumbra, beside the error
+/// that meshes may leave: what noise hides cannot be found, and meshes that look for it follow the noise.
+/// So many gathering ones at least: with fewer, a hot spot that one of them meets looks like detail.
+const RAYS: f64 = 0.25;
 const LEAST_RAYS: u32 = 40;
+const MOST_RAYS: u32 = 512;
 
 /// A vertex is at the end of a step if it is nearer than this share of the step's width.
 const AT_VERTEX: f32 = 0.5;
@@ -130,6 +131,8 @@ struct Work<'a> {
     refiner: &'a Refiner<'a>,
     meshes: &'a [ReceiverMesh],
     probe: Probe<'a>,
+    /// Relative RMSE that they may leave.
+    asked: f64,
     /// The object of each part.
     objects: Vec<usize>,
     conforming: Conforming,
@@ -155,7 +158,7 @@ impl Refiner<'_> {
     ) -> Result<Refinement, Cancelled> {
         let mut coarse_at_most = (COARSE * asked.max_vertices as f64) as usize;
         let earlier = earlier.filter(|e| e.error.smooth <= asked.error.smooth);
-        let mut work = Work::new(self, given, Kind::Smooth);
+        let mut work = Work::new(self, given, Kind::Smooth, asked.error.smooth);
         let mut rays = 0;
         let (smooth, sharp) = loop {
             let smooth = match earlier {
@@ -164,11 +167,11 @@ impl Refiner<'_> {
                     error: earlier.error.smooth,
                     full: false,
                 },
-                None => work.run(asked.error.smooth, coarse_at_most, self.half_way())?,
+                None => work.run(coarse_at_most, self.half_way())?,
             };
             let coarse = given.refined(scene, &smooth.by);
-            let mut finer = Work::new(self, &coarse, Kind::Sharp);
-            let sharp = finer.run(asked.error.sharp, asked.max_vertices, self.until)?;
+            let mut finer = Work::new(self, &coarse, Kind::Sharp, asked.error.sharp);
+            let sharp = finer.run(asked.max_vertices, self.until)?;
             rays += finer.rays;
             let used = coarse.refined(scene, &sharp.by).vertex_count();
             let room = asked.max_vertices.saturating_sub(used);
@@ -216,7 +219,8 @@ fn hand_on(faces: &mut Vec<FaceLight>, changed: &mut BTreeSet<u32>) -> impl FnMu
 }
 
 impl<'a> Work<'a> {
-    fn new(refiner: &'a Refiner, meshes: &'a ReceiverMeshes, kind: Kind) -> Self {
+    /// Of meshes that may leave an error `asked`, relative RMSE.
+    fn new(refiner: &'a Refiner, meshes: &'a ReceiverMeshes, kind: Kind, asked: f64) -> Self {
         let (scene, vertices) = (refiner.gather.scene, meshes.vertex_count());
         let meshes = &*meshes.meshes;
         let refines = |&o: &usize| scene.objects[o].refine && !meshes[o].triangles.is_empty();
@@ -233,14 +237,15 @@ impl<'a> Work<'a> {
             faces: vec![FaceLight::default(); conforming.faces() as usize],
             stale: (0..conforming.faces()).collect(),
             others: vertices - conforming.vertex_count(),
+            asked,
             probe: Probe::new(
                 refiner.gather,
                 refiner.shining,
                 kind,
                 refiner.gather.settings.seed,
                 ProbeRays {
-                    gathering: LEAST_RAYS.max((RAYS / refiner.gather.settings.error) as u32),
-                    shadow: LEAST_SHADOW_RAYS,
+                    gathering: ((RAYS / asked) as u32).clamp(LEAST_RAYS, MOST_RAYS),
+                    shadow: ((RAYS / asked) as u32).clamp(LEAST_SHADOW_RAYS, MOST_RAYS),
                 },
             ),
             refiner,
@@ -252,14 +257,9 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Refines the meshes further, until they leave no more than an error (relative RMSE), all of them
-    /// together have too many vertices, or it is late.
-    fn run(
-        &mut self,
-        asked: f64,
-        max_vertices: usize,
-        until: Option<Instant>,
-    ) -> Result<Outcome, Cancelled> {
+    /// Refines the meshes further, until they leave no more than was asked, all of them together have too
+    /// many vertices, or it is late.
+    fn run(&mut self, max_vertices: usize, until: Option<Instant>) -> Result<Outcome, Cancelled> {
         let limits = Limits {
             max_vertices: max_vertices.saturating_sub(self.others),
             min_edge: MIN_EDGE,
@@ -270,7 +270,7 @@ impl<'a> Work<'a> {
             self.judge()?;
             self.weigh();
             error = self.error();
-            let good = error <= asked;
+            let good = error <= self.asked;
             full &= !good;
             if full || good || is_over(until) {
                 break;

@@ -10,7 +10,7 @@ use crate::radiosity::kind::Kind;
 use crate::radiosity::light::{DirectLight, Light, LightKind};
 use crate::radiosity::occlusion::NO_TRIANGLE;
 use crate::radiosity::receiver_mesh::ReceiverMesh;
-use crate::radiosity::sampling::{cosine_hemisphere, frame, hash, sobol_2d};
+use crate::radiosity::sampling::{cosine_direction, frame, hash};
 use crate::radiosity::triangle::face_normal;
 
 /// Asks for the light at points.
@@ -72,13 +72,11 @@ impl<'a> Probe<'a> {
             Kind::Smooth => rays.gathering,
             Kind::Sharp => PROBES,
         };
-        let direction = |seed: u32, ray| {
-            let [u, v] = sobol_2d(ray, seed);
-            cosine_hemisphere(u, v)
-        };
         let set = |set| {
             let seed = hash(seed, set);
-            (0..gathering).map(|ray| direction(seed, ray)).collect()
+            (0..gathering)
+                .map(|ray| cosine_direction(ray, seed))
+                .collect()
         };
         Self {
             gather,
