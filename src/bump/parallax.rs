@@ -95,6 +95,15 @@ pub struct ParallaxMap {
     shares: [f32; 2],
 }
 
+/// Patches of a block: those from the first to the last before `end`, along both axes.
+#[derive(Clone, Copy)]
+struct Block {
+    /// Where the map begins there, if it repeats.
+    period: IVec2,
+    first: IVec2,
+    end: IVec2,
+}
+
 /// The line of a ray through a level of the map, in texels: at `start + s slope`, the ray's height is `1 − s`.
 struct Line {
     start: Vec2,
@@ -106,19 +115,30 @@ impl Line {
         self.start + s * self.slope
     }
 
-    /// The patch there. Never back from one that it was in: at borders rounding would let it go to and fro.
-    fn patch(&self, s: f32, from: IVec2) -> IVec2 {
-        let at = self.at(s).floor().as_ivec2();
-        let rises = self.slope.cmpgt(Vec2::ZERO);
-        IVec2::select(rises, at.max(from), at.min(from))
-    }
-
     /// Where it leaves a block, axis by axis.
-    fn leaves(&self, first: IVec2, end: IVec2) -> Vec2 {
-        let border = Vec2::select(self.slope.cmpgt(Vec2::ZERO), end.as_vec2(), first.as_vec2());
+    fn leaves(&self, block: Block) -> Vec2 {
+        let rises = self.slope.cmpgt(Vec2::ZERO);
+        let border = Vec2::select(rises, block.end.as_vec2(), block.first.as_vec2());
         let moves = self.slope.abs().cmpgt(Vec2::splat(LEAST));
         let slope = Vec2::select(moves, self.slope, Vec2::ONE);
         Vec2::select(moves, (border - self.start) / slope, Vec2::splat(2.0))
+    }
+
+    /// The patch at a place within a block. Never back from one that it was in: at borders rounding would let it
+    /// go to and fro.
+    fn onward(&self, s: f32, patch: IVec2, block: Block) -> IVec2 {
+        let at = self.at(s).floor().as_ivec2();
+        let rises = self.slope.cmpgt(Vec2::ZERO);
+        let onward = IVec2::select(rises, at.max(patch), at.min(patch));
+        onward.clamp(block.first, block.end - 1)
+    }
+
+    /// The patch that it goes into from a block.
+    fn beyond(&self, s: f32, patch: IVec2, block: Block, leaves: Vec2) -> IVec2 {
+        let rises = self.slope.cmpgt(Vec2::ZERO);
+        let beyond = IVec2::select(rises, block.end, block.first - 1);
+        let crosses = BVec2::new(leaves.x <= leaves.y, leaves.x > leaves.y);
+        IVec2::select(crosses, beyond, self.onward(s, patch, block))
     }
 }
 
@@ -154,26 +174,22 @@ impl ParallaxMap {
         let (mut s, mut reads) = (0.0_f32, 0);
         let mut patch = line.at(s).floor().as_ivec2();
         for _ in 0..MOST_STEPS {
-            // The period of a repeated map that the patch is in, and its block there.
-            let period = patch - IVec2::select(self.repeats, patch.rem_euclid(size), patch);
-            let first = (((patch - period) >> level) << level) + period;
-            let end = first + (1 << level);
-            let end = IVec2::select(self.repeats, end.min(period + size), end);
-            let leaves = line.leaves(first, end);
+            let block = self.block(patch, size, level);
+            let leaves = line.leaves(block);
             let out = leaves.min_element().min(1.0).max(s);
-            let inside = (patch - period).clamp(IVec2::ZERO, size - 1);
+            let inside = (patch - block.period).clamp(IVec2::ZERO, size - 1);
             let ceiling = self.ceiling(inside, mip, level, ray.is_inverted);
             reads += 1;
             if 1.0 - out <= ceiling {
                 if level > 0 {
                     // Down to where the ray is as low as the block's highest point.
                     s = s.max(1.0 - ceiling).min(out);
-                    patch = line.patch(s, patch).clamp(first, end - 1);
+                    patch = line.onward(s, patch, block);
                     level -= 1;
                     continue;
                 }
                 reads += 4;
-                let corners = self.corners(patch - period, mip, ray.is_inverted);
+                let corners = self.corners(patch - block.period, mip, ray.is_inverted);
                 if let Some(hit) = meets(&line, patch, corners, [s, out]) {
                     s = hit;
                     break;
@@ -183,10 +199,7 @@ impl ParallaxMap {
             if out >= 1.0 {
                 break;
             }
-            let next = line.patch(s, patch).clamp(first, end - 1);
-            let beyond = IVec2::select(slope.cmpgt(Vec2::ZERO), end, first - 1);
-            let crosses = BVec2::new(leaves.x <= leaves.y, leaves.x > leaves.y);
-            let next = IVec2::select(crosses, beyond, next);
+            let next = line.beyond(s, patch, block, leaves);
             // Larger blocks again where one of them begins.
             if (next >> (level + 1)) != (patch >> (level + 1)) {
                 level = (level + 1).min(coarsest);
@@ -196,6 +209,18 @@ impl ParallaxMap {
         ParallaxHit {
             depth: s - (1.0 - ray.level),
             reads,
+        }
+    }
+
+    /// The block of a level that a patch is in: cut off where a map begins again.
+    fn block(&self, patch: IVec2, size: IVec2, level: i32) -> Block {
+        let period = patch - IVec2::select(self.repeats, patch.rem_euclid(size), patch);
+        let first = (((patch - period) >> level) << level) + period;
+        let end = first + (1 << level);
+        Block {
+            period,
+            first,
+            end: IVec2::select(self.repeats, end.min(period + size), end),
         }
     }
 
