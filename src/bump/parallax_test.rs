@@ -95,7 +95,7 @@ fn sine(u: f32, v: f32) -> f32 {
 }
 
 fn pillars(u: f32, v: f32) -> f32 {
-    let stands = |x: f32| (x * 256.0 / 4.0) as u32 % 2 == 0;
+    let stands = |x: f32| ((x * 256.0 / 4.0) as u32).is_multiple_of(2);
     f32::from(u8::from(stands(u) && stands(v)))
 }
 

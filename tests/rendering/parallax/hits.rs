@@ -20,7 +20,7 @@ fn sine() -> HeightImage {
 
 fn pillars() -> HeightImage {
     relief([TEXELS; 2], Wrap::Repeat, |u, v| {
-        let stands = |x: f32| (x * TEXELS as f32 / 4.0) as u32 % 2 == 0;
+        let stands = |x: f32| ((x * TEXELS as f32 / 4.0) as u32).is_multiple_of(2);
         f32::from(u8::from(stands(u) && stands(v)))
     })
 }

@@ -52,7 +52,7 @@ fn sizes() -> Image {
 fn blocks(texels: u32) -> HeightImage {
     relief([texels; 2], Wrap::Repeat, |u, v| {
         f32::from(u8::from(
-            (8.0 * u) as u32 % 2 == 0 && (8.0 * v) as u32 % 2 == 0,
+            ((8.0 * u) as u32).is_multiple_of(2) && ((8.0 * v) as u32).is_multiple_of(2),
         ))
     })
 }
