@@ -28,7 +28,9 @@ use bevy::render::{RenderApp, RenderPlugin};
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use bevy_fresco::height_map::{HeightMap, Wrap};
-use bevy_fresco::plugin::bump::{Bump, BumpFilter, BumpHeight, HeightImage, insert_uv_gradients};
+use bevy_fresco::plugin::bump::{
+    Bump, BumpFilter, BumpHeight, HeightImage, Parallax, insert_uv_gradients,
+};
 use bevy_fresco::plugin::{FrescoExtension, FrescoMaterial, FrescoMaterialPlugin};
 
 /// Pixels and texels on a side.
@@ -137,7 +139,8 @@ fn height(u: f32, v: f32) -> f32 {
 
 /// The standard material plain and with a normal map, and ours in all ways to bump.
 fn walls(world: &mut World) -> Vec<(&'static str, Entity)> {
-    let normals = world.resource_mut::<Assets<Image>>().add(normal_map());
+    let mut images = world.resource_mut::<Assets<Image>>();
+    let (normals, depths) = (images.add(normal_map()), images.add(depth_map()));
     let texels = (0..TEXELS * TEXELS).map(|i| {
         let [x, y] = [i % TEXELS, i / TEXELS].map(|x| (x as f32 + 0.5) / TEXELS as f32);
         height(x, y)
@@ -173,7 +176,10 @@ fn walls(world: &mut World) -> Vec<(&'static str, Entity)> {
     };
     let mut walls = vec![
         ("standard", standard(&plane, None)),
-        ("standard, normal map", standard(&plane, Some(normals))),
+        (
+            "standard, normal map",
+            standard(&plane, Some(normals.clone())),
+        ),
     ];
     let cubic = Bump::new(map, BumpHeight::Uv(0.005));
     let bump = Bump {
@@ -211,7 +217,45 @@ fn walls(world: &mut World) -> Vec<(&'static str, Entity)> {
     ours("bump, with curvature", &plane, 3.0, Some(&curved), None);
     ours("bump, cubic", &plane, 3.0, Some(&cubic), None);
     ours("bump, cubic, magnified", &plane, 0.3, Some(&cubic), None);
+    // Deep relief at 60° (heights are −1 to 1), beside Bevy's own parallax with its 16 layers.
+    let deep = Bump {
+        height: BumpHeight::Uv(0.05),
+        ..bump
+    };
+    let seen = Bump {
+        parallax: Some(Parallax::default()),
+        ..deep.clone()
+    };
+    ours("aslant, bump", &plane, 3.0, Some(&deep), None);
+    ours("aslant, bump with parallax", &plane, 3.0, Some(&seen), None);
+    let bevys = StandardMaterial {
+        normal_map_texture: Some(normals),
+        depth_map: Some(depths),
+        parallax_depth_scale: 0.1,
+        ..repeated(3.0)
+    };
+    let bevys = world.resource_mut::<Assets<StandardMaterial>>().add(bevys);
+    let wall = world.spawn((Mesh3d(plane), MeshMaterial3d(bevys)));
+    walls.push(("aslant, Bevy's parallax", wall.id()));
+    let aslant = Transform::from_rotation(Quat::from_rotation_x(-TAU / 6.0));
+    for (name, wall) in &walls {
+        if name.starts_with("aslant") {
+            // Large enough to fill the picture all the same.
+            let at = aslant.with_scale(Vec3::splat(3.0));
+            world.entity_mut(*wall).insert(at);
+        }
+    }
     walls
+}
+
+/// Depths of the same relief, for Bevy's parallax.
+fn depth_map() -> Image {
+    let texel = |i: u32| {
+        let [x, y] = [i % TEXELS, i / TEXELS].map(|x| (x as f32 + 0.5) / TEXELS as f32);
+        let depth = (127.5 - 127.5 * height(x, y)) as u8;
+        [depth, depth, depth, 255]
+    };
+    repeated_image((0..TEXELS * TEXELS).flat_map(texel).collect())
 }
 
 fn normal_map() -> Image {
@@ -231,12 +275,15 @@ fn normal_map() -> Image {
             .map(|c| (c * 255.0).round() as u8);
         [x, y, z, 255]
     };
+    repeated_image((0..TEXELS * TEXELS).flat_map(texel).collect())
+}
+
+fn repeated_image(texels: Vec<u8>) -> Image {
     let size = Extent3d {
         width: TEXELS,
         height: TEXELS,
         depth_or_array_layers: 1,
     };
-    let texels = (0..TEXELS * TEXELS).flat_map(texel).collect();
     let format = TextureFormat::Rgba8Unorm;
     let usage = RenderAssetUsages::RENDER_WORLD;
     let mut image = Image::new(size, TextureDimension::D2, texels, format, usage);

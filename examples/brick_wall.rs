@@ -1,8 +1,9 @@
 //! Relief under light that is all baked: bricks that are one flat quad, lit by a glowing tube and by what
 //! bounces. No lamp of the engine shines here.
 //!
-//! Space has the baked light forget where it comes from and remember it again (`BakeSettings::directional`), up
-//! and down make the relief higher and lower. `--screenshot FILE` saves a picture without a window.
+//! P shows the bricks flat and from the side again (`Bump::parallax`), space has the baked light forget where it
+//! comes from and remember it again (`BakeSettings::directional`), up and down make the relief higher and lower.
+//! `--screenshot FILE` saves a picture without a window, `--flat` begins without parallax.
 
 mod common;
 
@@ -12,12 +13,12 @@ use bevy::math::Affine2;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_fresco::height_map::{HeightMap, Wrap};
-use bevy_fresco::plugin::bump::{Bump, BumpHeight, HeightImage};
+use bevy_fresco::plugin::bump::{Bump, BumpHeight, HeightImage, Parallax};
 use bevy_fresco::plugin::radiosity::{RadiositySettings, StaticLighting};
 use bevy_fresco::plugin::{FrescoExtension, FrescoMaterial, FrescoPlugins};
 
 /// How far bricks stand out of their joints, in metres.
-const HEIGHT: f32 = 0.012;
+const HEIGHT: f32 = 0.02;
 /// Texels of the pattern, which is a brick wide and two rows high and repeats.
 const TEXELS: UVec2 = UVec2::new(256, 128);
 /// Width and height of the pattern, in metres.
@@ -35,7 +36,14 @@ fn main() -> AppExit {
         .insert_resource(GlobalAmbientLight::NONE)
         .insert_resource(ClearColor(Color::BLACK))
         .add_systems(Startup, setup)
-        .add_systems(Update, keys)
+        .add_systems(
+            Update,
+            (
+                toggle_direction,
+                common::toggle_parallax,
+                common::change_height(HEIGHT),
+            ),
+        )
         .run()
 }
 
@@ -48,7 +56,11 @@ fn setup(
 ) -> Result {
     let heights = texels().map(|at| brick(at).0).collect();
     let map = HeightMap::new(TEXELS.to_array(), heights, [Wrap::Repeat; 2])?;
-    let bump = Bump::new(maps.add(HeightImage::new(map)), BumpHeight::Mesh(HEIGHT));
+    let is_flat = std::env::args().any(|argument| argument == "--flat");
+    let bump = Bump {
+        parallax: (!is_flat).then(Parallax::default),
+        ..Bump::new(maps.add(HeightImage::new(map)), BumpHeight::Mesh(HEIGHT))
+    };
     let paint = images.add(painted());
     let mut bricks = |size: Vec2| {
         materials.add(FrescoMaterial {
@@ -104,7 +116,7 @@ fn setup(
     ));
     commands.spawn((
         Camera3d::default(),
-        Transform::from_xyz(-0.1, 1.5, 4.4).looking_at(Vec3::new(0.2, 1.25, 0.0), Vec3::Y),
+        Transform::from_xyz(1.2, 1.5, 1.5).looking_at(Vec3::new(-0.3, 1.2, 0.0), Vec3::Y),
     ));
     Ok(())
 }
@@ -164,25 +176,8 @@ fn painted() -> Image {
     image
 }
 
-fn keys(
-    keys: Res<ButtonInput<KeyCode>>,
-    time: Res<Time>,
-    mut settings: ResMut<RadiositySettings>,
-    mut materials: ResMut<Assets<FrescoMaterial>>,
-) {
+fn toggle_direction(keys: Res<ButtonInput<KeyCode>>, mut settings: ResMut<RadiositySettings>) {
     if keys.just_pressed(KeyCode::Space) {
         settings.bake.directional ^= true;
-    }
-    let held = |key| f32::from(u8::from(keys.pressed(key)));
-    let direction = held(KeyCode::ArrowUp) - held(KeyCode::ArrowDown);
-    if direction == 0.0 {
-        return;
-    }
-    for (_, material) in materials.iter_mut() {
-        if let Some(bump) = &mut material.extension.bump
-            && let BumpHeight::Mesh(height) = &mut bump.height
-        {
-            *height += direction * HEIGHT * time.delta_secs();
-        }
     }
 }

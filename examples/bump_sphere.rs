@@ -29,7 +29,7 @@ fn main() -> AppExit {
             ..default()
         })
         .add_systems(Startup, setup)
-        .add_systems(Update, (swing, change_height))
+        .add_systems(Update, (swing, common::change_height(HEIGHT)))
         .run()
 }
 
@@ -130,24 +130,5 @@ fn swing(
     *moves ^= keys.just_pressed(KeyCode::Space);
     if *moves {
         lamp.rotate_around(Vec3::ZERO, Quat::from_rotation_y(0.3 * time.delta_secs()));
-    }
-}
-
-fn change_height(
-    keys: Res<ButtonInput<KeyCode>>,
-    time: Res<Time>,
-    mut materials: ResMut<Assets<FrescoMaterial>>,
-) {
-    let held = |key| f32::from(u8::from(keys.pressed(key)));
-    let direction = held(KeyCode::ArrowUp) - held(KeyCode::ArrowDown);
-    if direction == 0.0 {
-        return;
-    }
-    for (_, material) in materials.iter_mut() {
-        if let Some(bump) = &mut material.extension.bump
-            && let BumpHeight::Mesh(height) = &mut bump.height
-        {
-            *height += direction * HEIGHT * time.delta_secs();
-        }
     }
 }

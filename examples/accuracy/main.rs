@@ -11,6 +11,7 @@
 //! | `sweep` | every method with every budget on one scene |
 //! | `studies` | solvers, numbers of elements, vertices |
 //! | `refinement`, `refinement_charts` | vertices placed by the light, and spread evenly |
+//! | `kernels` | normals of bumps, by kernels of height maps |
 //! | `known` | scenes whose light is known at every point, shared with tests |
 //! | `results` | all that was measured, and who won |
 //! | `csv`, `charts`, `chart`, `svg`, `markdown`, `reading`, `text` | how it is told |
@@ -20,6 +21,7 @@
 mod chart;
 mod charts;
 mod csv;
+mod kernels;
 #[path = "../../tests/common/known/mod.rs"]
 mod known;
 mod markdown;
@@ -58,6 +60,8 @@ fn main() -> ExitCode {
     };
     let write = if plan.only_wants("refinement") {
         write_refinement
+    } else if plan.only_wants("kernels") {
+        write_kernels
     } else {
         write
     };
@@ -107,6 +111,10 @@ fn measure(plan: &Plan) -> Result<Results, Box<dyn Error>> {
     if plan.wants("refinement") {
         results.used = refinement::study(plan, say)?;
     }
+    if plan.wants("kernels") {
+        say("kernels");
+        results.kernels = kernels::study()?;
+    }
     say("measured");
     Ok(results)
 }
@@ -125,6 +133,17 @@ fn write_refinement(results: &Results, folder: &Path) -> Result<(), Box<dyn Erro
     Ok(())
 }
 
+/// The same of this study.
+fn write_kernels(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
+    std::fs::create_dir_all(folder)?;
+    std::fs::write(folder.join("kernels.csv"), kernels::csv(&results.kernels))?;
+    for (name, chart) in kernels::charts(&results.kernels) {
+        std::fs::write(folder.join(name), chart.draw())?;
+    }
+    eprintln!("written to {}", folder.display());
+    Ok(())
+}
+
 /// Charts and tables into a folder, the report beside it.
 fn write(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
@@ -135,8 +154,14 @@ fn write(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
         folder.join("refinement.csv"),
         refinement::csv(&results.used),
     )?;
+    std::fs::write(folder.join("kernels.csv"), kernels::csv(&results.kernels))?;
     let used = refinement_charts::charts(&results.used);
-    for (name, chart) in charts::all(results).into_iter().chain(used) {
+    let of_kernels = kernels::charts(&results.kernels);
+    for (name, chart) in charts::all(results)
+        .into_iter()
+        .chain(used)
+        .chain(of_kernels)
+    {
         std::fs::write(folder.join(name), chart.draw())?;
     }
     let name = folder

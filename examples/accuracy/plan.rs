@@ -22,7 +22,7 @@ pub(crate) const USAGE: &str = "\
 Measures speed against accuracy of all methods and writes charts.
 
   --quick         a minute instead of a quarter of an hour: fewer points, shorter references
-  --only WHAT     one scene, S1 to S9, or solvers, elements, vertices or refinement
+  --only WHAT     one scene, S1 to S9, or solvers, elements, vertices, refinement or kernels
   --out FOLDER    where to write [default: docs/accuracy]";
 
 impl Plan {

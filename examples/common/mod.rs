@@ -1,5 +1,6 @@
 //! What the examples share: `--screenshot FILE` draws without a window, waits for the light and saves a
-//! picture.
+//! picture. Keys that change relief.
+#![allow(dead_code, reason = "no example uses all of it")]
 
 use std::path::PathBuf;
 
@@ -12,6 +13,8 @@ use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
+use bevy_fresco::plugin::FrescoMaterial;
+use bevy_fresco::plugin::bump::{BumpHeight, Parallax};
 use bevy_fresco::plugin::radiosity::{RadiosityStatus, StaticLighting};
 
 /// Frames between the light being there and the picture: pipelines and shadow maps settle.
@@ -113,5 +116,42 @@ fn shoot(
                     exit.write(AppExit::Success);
                 },
             );
+    }
+}
+
+/// Up and down make the relief of all materials higher and lower: by all of `height` in a second.
+pub(crate) fn change_height(
+    height: f32,
+) -> impl FnMut(Res<ButtonInput<KeyCode>>, Res<Time>, ResMut<Assets<FrescoMaterial>>) {
+    move |keys, time, mut materials| {
+        let held = |key| f32::from(u8::from(keys.pressed(key)));
+        let direction = held(KeyCode::ArrowUp) - held(KeyCode::ArrowDown);
+        if direction == 0.0 {
+            return;
+        }
+        for (_, material) in materials.iter_mut() {
+            if let Some(bump) = &mut material.extension.bump
+                && let BumpHeight::Mesh(now) = &mut bump.height
+            {
+                *now += direction * height * time.delta_secs();
+            }
+        }
+    }
+}
+
+/// P shows the relief of all materials from the side, and flat again.
+pub(crate) fn toggle_parallax(
+    keys: Res<ButtonInput<KeyCode>>,
+    mut materials: ResMut<Assets<FrescoMaterial>>,
+) {
+    if keys.just_pressed(KeyCode::KeyP) {
+        for (_, material) in materials.iter_mut() {
+            if let Some(bump) = &mut material.extension.bump {
+                bump.parallax = match bump.parallax {
+                    Some(_) => None,
+                    None => Some(Parallax::default()),
+                };
+            }
+        }
     }
 }

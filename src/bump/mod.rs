@@ -52,9 +52,10 @@
 //! | `gradient` | gradients per triangle or from any two steps, and normals from them |
 //! | `vertices` | gradients of texture coordinates at the vertices of a mesh |
 //! | `roughness` | what slopes too small to be seen do to highlights |
+//! | `parallax` | where a ray of sight meets the relief |
 //! | `blinn` | the formula as it stands above, for comparison |
 //!
-//! The shader does the same (`src/plugin/bump/bump.wgsl`); tests compare the two.
+//! The shader does the same (`src/plugin/bump/bump.wgsl` and `parallax.wgsl`); tests compare the two.
 
 mod blinn;
 mod gradient;
@@ -62,6 +63,9 @@ mod gradient;
 mod gradient_test;
 #[cfg(test)]
 mod normal_map_test;
+mod parallax;
+#[cfg(test)]
+mod parallax_test;
 mod roughness;
 mod vertices;
 
@@ -69,5 +73,6 @@ pub use blinn::blinn_normal;
 pub use gradient::{
     MAX_SLOPE, Steps, bumped_normal, displaced_normal, surface_gradient, uv_gradients,
 };
+pub use parallax::{ParallaxHit, ParallaxMap, ParallaxRay, parallax_slide};
 pub use roughness::{roughened, slope_variance};
 pub use vertices::vertex_uv_gradients;

@@ -77,6 +77,16 @@ impl Pyramid {
         &self.levels
     }
 
+    /// The lowest and the highest texel of the map.
+    pub fn range(&self) -> [f32; 2] {
+        let texels = self.levels.first().map_or(&[][..], Level::texels);
+        let heights = texels.iter().map(|t| t.height);
+        let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| {
+            (low.min(h), high.max(h))
+        });
+        [low, high]
+    }
+
     /// The steepest slope of any texel along `u` or `v`; 0 for what is flat.
     pub fn steepest(&self) -> f32 {
         let texels = self.levels.iter().flat_map(|level| &level.texels);

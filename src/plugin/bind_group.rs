@@ -33,6 +33,7 @@ const SAMPLER: u32 = 102;
 const HEIGHTS: u32 = 103;
 const DETAIL_SLOPES: u32 = 104;
 const DETAIL_SAMPLER: u32 = 105;
+const BOUNDS: u32 = 106;
 
 impl AsBindGroup for FrescoExtension {
     type Data = BumpKey;
@@ -81,6 +82,7 @@ impl AsBindGroup for FrescoExtension {
                 (HEIGHTS, texture(&main.heights)),
                 (DETAIL_SLOPES, texture(&detail.slopes)),
                 (DETAIL_SAMPLER, sampler(detail)),
+                (BOUNDS, texture(&main.bounds)),
             ]),
         })
     }
@@ -110,6 +112,7 @@ impl AsBindGroup for FrescoExtension {
             entry(HEIGHTS, texture),
             entry(DETAIL_SLOPES, texture),
             entry(DETAIL_SAMPLER, sampler),
+            entry(BOUNDS, texture),
         ]
     }
 }

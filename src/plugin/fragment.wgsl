@@ -7,7 +7,6 @@
 #import bevy_pbr::{
     pbr_types,
     pbr_functions::alpha_discard,
-    pbr_fragment::pbr_input_from_standard_material,
     decal::clustered::apply_decals,
 }
 
@@ -30,7 +29,13 @@
 
 #import bevy_fresco::bump_surface::fresco
 #ifdef FRESCO_BUMP
-#import bevy_fresco::{bump, bump_surface::raise}
+#import bevy_fresco::{bump, bump_surface}
+#endif
+#ifdef FRESCO_PARALLAX
+#import bevy_fresco::pbr_fragment::pbr_input_from_standard_material
+#import bevy_pbr::pbr_bindings::material
+#else
+#import bevy_pbr::pbr_fragment::pbr_input_from_standard_material
 #endif
 
 #ifdef VERTEX_BAKED_LIGHT_GRADIENT
@@ -64,7 +69,28 @@ fn fragment(
     visibility_range_dither(in.position, in.visibility_range_dither);
 #endif
 
+#ifdef FRESCO_BUMP
+    let on = bump_surface::surface(in);
+    let on_mesh = bump_surface::channels(
+        in,
+#ifdef VERTEX_UV_GRADIENTS
+        by_u,
+        by_v,
+#endif
+        on,
+    );
+#ifdef FRESCO_PARALLAX
+    // Never bindless: see `bind_group.rs`.
+    let seen = bump_surface::look(in, on, on_mesh, material.uv_transform);
+    let seen_uvs = bump_surface::seen_uvs(seen, material.uv_transform);
+    var pbr_input = pbr_input_from_standard_material(in, is_front, seen_uvs);
+#else
+    let seen = on_mesh;
     var pbr_input = pbr_input_from_standard_material(in, is_front);
+#endif
+#else
+    var pbr_input = pbr_input_from_standard_material(in, is_front);
+#endif
 
     // The unit normal of the surface without relief, on the side that is seen.
     let double_sided = (pbr_input.material.flags & pbr_types::STANDARD_MATERIAL_FLAGS_DOUBLE_SIDED_BIT) != 0u;
@@ -77,15 +103,7 @@ fn fragment(
 #else
     let mapped = side * n;
 #endif
-    let raised = raise(
-        in,
-#ifdef VERTEX_UV_GRADIENTS
-        by_u,
-        by_v,
-#endif
-        pbr_input.material.uv_transform,
-        mapped,
-    );
+    let raised = bump_surface::raise(on, seen, pbr_input.material.uv_transform, mapped);
     // Else it is the prepass's, which has the relief already.
 #ifndef LOAD_PREPASS_NORMALS
     pbr_input.N = bump::facing(side * raised.normal, n, pbr_input.V);
@@ -133,6 +151,11 @@ fn fragment(
 #ifdef FRESCO_SHOW_NORMALS
     // For tests and for finding faults: nothing sets this by itself.
     out.color = vec4(pbr_input.N, pbr_input.material.perceptual_roughness);
+#endif
+#ifdef FRESCO_SHOW_PARALLAX
+#ifdef FRESCO_PARALLAX
+    out.color = vec4(seen.a.at - on_mesh.a.at, seen.depth, seen.reads);
+#endif
 #endif
 
 #ifdef OIT_ENABLED

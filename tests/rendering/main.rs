@@ -13,6 +13,7 @@ mod directional;
 mod double_light;
 mod like_bevys_lightmap;
 mod other_devices;
+mod parallax;
 mod picture;
 mod scenery;
 mod stage;

@@ -11,7 +11,9 @@ use bevy::render::render_resource::PipelineCache;
 use bevy::render::renderer::RenderAdapter;
 use bevy::render::settings::WgpuFeatures;
 use bevy::shader::{Shader, ShaderCache, ShaderDefVal};
+use bevy_fresco::plugin::bump::{Bump, BumpHeight, Parallax};
 
+use crate::bumps::{bump, show, waves_map};
 use crate::directional::{normal_map, with_gradient, with_tangents};
 use crate::like_bevys_lightmap::{DEFERRED, method};
 use crate::scenery::{add, grid, lit, show_fresco};
@@ -84,7 +86,13 @@ fn shaders_are_valid_elsewhere() {
                         ..base
                     };
                     let mesh = with_tangents(lit(grid(), Vec3::ONE));
-                    show_fresco(world, with_gradient(mesh, Vec3::Z), base, default());
+                    let mesh = with_gradient(mesh, Vec3::Z);
+                    show_fresco(world, mesh.clone(), base.clone(), default());
+                    let seen = Bump {
+                        parallax: Some(Parallax::default()),
+                        ..bump(world, waves_map([16; 2]), BumpHeight::World(0.1))
+                    };
+                    show(world, mesh, base, Some(seen), default());
                 },
             );
         }

@@ -5,7 +5,7 @@ use bevy::ecs::system::{SystemParamItem, lifetimeless::SRes};
 use bevy::prelude::*;
 use bevy::render::render_asset::{PrepareAssetError, RenderAsset, RenderAssetPlugin};
 use bevy::render::render_resource::{
-    AddressMode, Extent3d, FilterMode, MipmapFilterMode, Sampler, SamplerDescriptor, Texture,
+    AddressMode, Extent3d, FilterMode, MipmapFilterMode, Sampler, SamplerDescriptor,
     TextureDataOrder, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
     TextureView, TextureViewDescriptor,
 };
@@ -15,7 +15,8 @@ use bevy::render::{RenderApp, RenderStartup};
 use half::f16;
 
 use super::HeightImage;
-use crate::height_map::{HeightMap, Level, Moments, Pyramid, Wrap};
+use super::atlas::Atlas;
+use crate::height_map::{Bounds, HeightMap, Level, Moments, Wrap};
 use crate::plugin::FrescoMaterial;
 
 /// A [`HeightImage`] where the shader can read it.
@@ -26,6 +27,8 @@ pub struct GpuHeightImage {
     /// Heights from 0 to 1 as the sum of two halves: one has steps that show, and floats cannot be filtered
     /// everywhere.
     pub(in crate::plugin) heights: TextureView,
+    /// How high and how low blocks of it go.
+    pub(in crate::plugin) bounds: TextureView,
     pub(in crate::plugin) sampler: Sampler,
     pub(super) size: UVec2,
     pub(super) steepest: f32,
@@ -101,7 +104,7 @@ impl RenderAsset for GpuHeightImage {
 
     fn byte_len(map: &HeightImage) -> Option<usize> {
         let texels = map.pyramid().levels().iter().map(|l| l.texels().len());
-        Some(texels.sum::<usize>() * (SLOPE_BYTES + HEIGHT_BYTES))
+        Some(texels.sum::<usize>() * (SLOPE_BYTES + HEIGHT_BYTES + BOUNDS_BYTES))
     }
 
     fn prepare_asset(
@@ -126,6 +129,7 @@ impl RenderAsset for GpuHeightImage {
 
 const SLOPE_BYTES: usize = 8;
 const HEIGHT_BYTES: usize = 4;
+const BOUNDS_BYTES: usize = 2;
 
 fn upload(map: &HeightImage, device: &RenderDevice, queue: &RenderQueue) -> GpuHeightImage {
     let most = device.limits().max_texture_dimension_2d;
@@ -134,20 +138,22 @@ fn upload(map: &HeightImage, device: &RenderDevice, queue: &RenderQueue) -> GpuH
     let too_large = |level: &&Level| level.size().iter().any(|&n| n > most);
     let levels = &levels[levels.iter().take_while(too_large).count()..];
     let steepest = pyramid.steepest();
-    let range = range(pyramid);
-    let create = |format, texel: &dyn Fn(&Moments, &mut Vec<u8>)| {
+    let [low, high] = pyramid.range();
+    let range = Vec2::new(low, high - low);
+    let of_texels = |format, texel: &dyn Fn(&Moments, &mut Vec<u8>)| {
         let mut data = Vec::new();
         for moments in levels.iter().flat_map(Level::texels) {
             texel(moments, &mut data);
         }
-        create(device, queue, levels, format, &data)
+        let size = levels.first().map_or([1, 1], Level::size);
+        create(device, queue, size, levels.len() as u32, format, &data)
     };
-    let slopes = create(TextureFormat::Rgba16Float, &|m, data| {
+    let slopes = of_texels(TextureFormat::Rgba16Float, &|m, data| {
         let unit = if steepest > 0.0 { 1.0 / steepest } else { 0.0 };
         let [a, b] = [m.slopes * unit, m.squares * unit * unit];
         put(data, [a.x, a.y, b.x, b.y]);
     });
-    let heights = create(TextureFormat::Rg16Float, &|m, data| {
+    let heights = of_texels(TextureFormat::Rg16Float, &|m, data| {
         let height = if range.y > 0.0 {
             (m.height - range.x) / range.y
         } else {
@@ -156,9 +162,19 @@ fn upload(map: &HeightImage, device: &RenderDevice, queue: &RenderQueue) -> GpuH
         let most = f16::from_f32(height).to_f32();
         put(data, [most, height - most]);
     });
+    let bounds = Bounds::new(map.map(), pyramid);
+    let bounds = Atlas::new(&bounds.levels()[pyramid.levels().len() - levels.len()..]);
     GpuHeightImage {
-        slopes: slopes.create_view(&TextureViewDescriptor::default()),
-        heights: heights.create_view(&TextureViewDescriptor::default()),
+        slopes,
+        heights,
+        bounds: create(
+            device,
+            queue,
+            bounds.size,
+            1,
+            TextureFormat::Rgba8Unorm,
+            &bounds.texels,
+        ),
         sampler: device.create_sampler(&sampler(map)),
         size: levels.first().map_or(UVec2::ONE, |l| l.size().into()),
         steepest,
@@ -173,24 +189,14 @@ fn put<const N: usize>(data: &mut Vec<u8>, numbers: [f32; N]) {
     }
 }
 
-/// The lowest height, and how much higher the highest is.
-fn range(pyramid: &Pyramid) -> Vec2 {
-    let texels = pyramid.levels().first().map_or(&[][..], Level::texels);
-    let heights = texels.iter().map(|t| t.height);
-    let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| {
-        (low.min(h), high.max(h))
-    });
-    Vec2::new(low, high - low)
-}
-
 fn create(
     device: &RenderDevice,
     queue: &RenderQueue,
-    levels: &[Level],
+    [width, height]: [u32; 2],
+    mip_level_count: u32,
     format: TextureFormat,
     data: &[u8],
-) -> Texture {
-    let [width, height] = levels.first().map_or([1, 1], Level::size);
+) -> TextureView {
     let descriptor = TextureDescriptor {
         label: Some("height_map"),
         size: Extent3d {
@@ -198,14 +204,16 @@ fn create(
             height,
             depth_or_array_layers: 1,
         },
-        mip_level_count: levels.len() as u32,
+        mip_level_count,
         sample_count: 1,
         dimension: TextureDimension::D2,
         format,
         usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
         view_formats: &[],
     };
-    device.create_texture_with_data(queue, &descriptor, TextureDataOrder::MipMajor, data)
+    let order = TextureDataOrder::MipMajor;
+    let texture = device.create_texture_with_data(queue, &descriptor, order, data);
+    texture.create_view(&TextureViewDescriptor::default())
 }
 
 fn sampler(map: &HeightImage) -> SamplerDescriptor<'static> {

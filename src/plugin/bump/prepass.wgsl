@@ -1,7 +1,7 @@
 // Bevy's prepass fragment shader (bevy_pbr 0.19.1, render/pbr_prepass.wgsl) with relief, for the pass that
 // writes normals.
 
-#import bevy_fresco::{bump, bump_surface::raise}
+#import bevy_fresco::{bump, bump_surface}
 #import bevy_render::bindless::{bindless_samplers_filtering, bindless_textures_2d}
 #import bevy_pbr::{
     pbr_prepass_functions,
@@ -42,7 +42,34 @@ fn fragment(
     let side = select(1.0, -1.0, double_sided && !is_front);
     let n = side * normalize(in.world_normal);
 
+    let on = bump_surface::surface(in);
+    let on_mesh = bump_surface::channels(
+        in,
+#ifdef VERTEX_UV_GRADIENTS
+        by_u,
+        by_v,
+#endif
+        on,
+    );
+#ifdef FRESCO_PARALLAX
+    let seen = bump_surface::look(in, on, on_mesh, uv_transform);
+    let seen_uvs = bump_surface::seen_uvs(seen, uv_transform);
+#else
+    let seen = on_mesh;
+#endif
+
 #ifdef FRESCO_NORMAL_MAP
+#ifdef FRESCO_PARALLAX
+    let Nt = textureSampleGrad(
+        pbr_bindings::normal_map_texture,
+        pbr_bindings::normal_map_sampler,
+#ifdef STANDARD_MATERIAL_NORMAL_MAP_UV_B
+        seen_uvs.uv_b, seen_uvs.uv_b_dx, seen_uvs.uv_b_dy,
+#else
+        seen_uvs.uv, seen_uvs.uv_dx, seen_uvs.uv_dy,
+#endif
+    ).rgb;
+#else // FRESCO_PARALLAX
 #ifdef STANDARD_MATERIAL_NORMAL_MAP_UV_B
     let uv = (uv_transform * vec3(in.uv_b, 1.0)).xy;
 #else
@@ -59,25 +86,28 @@ fn fragment(
         uv,
         view.mip_bias,
     ).rgb;
+#endif // FRESCO_PARALLAX
     let TBN = pbr_functions::calculate_tbn_mikktspace(in.world_normal, in.world_tangent);
     let mapped = side * pbr_functions::apply_normal_mapping(flags, TBN, double_sided, is_front, Nt);
 #else
     let mapped = side * n;
 #endif
 
-    let raised = raise(
-        in,
-#ifdef VERTEX_UV_GRADIENTS
-        by_u,
-        by_v,
-#endif
-        uv_transform,
-        mapped,
-    );
+    let raised = bump_surface::raise(on, seen, uv_transform, mapped);
     let V = pbr_functions::calculate_view(in.world_position, view.clip_from_view[3].w == 1.0);
     let bumped = bump::facing(side * raised.normal, n, V);
 
-    pbr_prepass_functions::prepass_alpha_discard(in);
+    // Cut out where it is seen.
+    var cut = in;
+#ifdef FRESCO_PARALLAX
+#ifdef VERTEX_UVS_A
+    cut.uv = seen.a.at;
+#endif
+#ifdef VERTEX_UVS_B
+    cut.uv_b = seen.b.at;
+#endif
+#endif
+    pbr_prepass_functions::prepass_alpha_discard(cut);
 
     var out: FragmentOutput;
     // Unlit surfaces have the normals of their vertices.

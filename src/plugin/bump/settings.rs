@@ -3,7 +3,7 @@ use bevy::mesh::UvChannel;
 use bevy::prelude::*;
 use bevy::render::render_resource::ShaderType;
 
-use super::{GpuHeightImage, HeightImage};
+use super::{GpuHeightImage, HeightImage, Parallax};
 use crate::height_map::Wrap;
 
 /// Relief that a height map gives to a surface: its normals are those of the raised surface, its shape stays
@@ -32,6 +32,9 @@ pub struct Bump {
     /// normals are then those of the displaced surface. Costs a further texture read. Not for a detail
     /// bump.
     pub curvature: bool,
+    /// Show the surface where relief would be seen, not only lit as relief: textures move with the view, and what
+    /// stands out hides what lies behind it. Not for a detail bump, which moves along with the main one.
+    pub parallax: Option<Parallax>,
 }
 
 /// How slopes are found between the texels of a map that is magnified. Detail bumps are always
@@ -91,6 +94,7 @@ impl Default for Bump {
             uv_transform: Affine2::IDENTITY,
             filter: BumpFilter::default(),
             curvature: false,
+            parallax: None,
         }
     }
 }
@@ -109,15 +113,19 @@ impl Bump {
 /// What of the bumps of a material needs a shader of its own: the material's key.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct BumpKey(u8);
+pub struct BumpKey(u16);
 
 impl BumpKey {
-    const MAIN: u8 = 1;
-    const MAIN_UV_B: u8 = 2;
-    const DETAIL: u8 = 4;
-    const DETAIL_UV_B: u8 = 8;
-    const CURVATURE: u8 = 16;
-    const CUBIC: u8 = 32;
+    const MAIN: u16 = 1;
+    const MAIN_UV_B: u16 = 2;
+    const DETAIL: u16 = 4;
+    const DETAIL_UV_B: u16 = 8;
+    const CURVATURE: u16 = 16;
+    const CUBIC: u16 = 32;
+    const PARALLAX: u16 = 64;
+    /// Textures of the standard material may lie on these texture coordinates and have to follow parallax.
+    const FOLLOWS_A: u16 = 128;
+    const FOLLOWS_B: u16 = 256;
 
     /// The key of a material with these bumps.
     pub(in crate::plugin) fn new(main: Option<&Bump>, detail: Option<&Bump>) -> Self {
@@ -128,15 +136,17 @@ impl BumpKey {
         };
         let curvature = main.is_some_and(|bump| bump.curvature);
         let cubic = main.is_some_and(|bump| bump.filter != BumpFilter::Linear);
+        let parallax = main.is_some_and(|bump| bump.parallax.is_some());
         Self(
             of(main, Self::MAIN, Self::MAIN_UV_B)
                 | of(detail, Self::DETAIL, Self::DETAIL_UV_B)
                 | if curvature { Self::CURVATURE } else { 0 }
-                | if cubic { Self::CUBIC } else { 0 },
+                | if cubic { Self::CUBIC } else { 0 }
+                | if parallax { Self::PARALLAX } else { 0 },
         )
     }
 
-    fn has(self, bit: u8) -> bool {
+    fn has(self, bit: u16) -> bool {
         self.0 & bit != 0
     }
 
@@ -144,10 +154,17 @@ impl BumpKey {
     pub(in crate::plugin) fn on_mesh(self, has_uv: [bool; 2]) -> Self {
         let mut left = self.0;
         if !has_uv[usize::from(self.has(Self::MAIN_UV_B))] {
-            left &= !(Self::MAIN | Self::MAIN_UV_B | Self::CURVATURE | Self::CUBIC);
+            left &=
+                !(Self::MAIN | Self::MAIN_UV_B | Self::CURVATURE | Self::CUBIC | Self::PARALLAX);
         }
         if !has_uv[usize::from(self.has(Self::DETAIL_UV_B))] {
             left &= !(Self::DETAIL | Self::DETAIL_UV_B);
+        }
+        if left & Self::PARALLAX != 0 {
+            let follows = [Self::FOLLOWS_A, Self::FOLLOWS_B].into_iter().zip(has_uv);
+            left |= follows
+                .map(|(bit, has)| if has { bit } else { 0 })
+                .sum::<u16>();
         }
         Self(left)
     }
@@ -157,10 +174,15 @@ impl BumpKey {
         self.has(Self::MAIN | Self::DETAIL)
     }
 
-    /// Whether a bump lies on the first texture coordinates, those that meshes may bring gradients of.
+    /// Whether anything lies on the first texture coordinates, those that meshes may bring gradients of.
     pub(in crate::plugin) fn uses_uv_a(self) -> bool {
-        (self.has(Self::MAIN) && !self.has(Self::MAIN_UV_B))
+        self.has(Self::FOLLOWS_A)
+            || (self.has(Self::MAIN) && !self.has(Self::MAIN_UV_B))
             || (self.has(Self::DETAIL) && !self.has(Self::DETAIL_UV_B))
+    }
+
+    fn uses_uv_b(self) -> bool {
+        self.has(Self::MAIN_UV_B | Self::DETAIL_UV_B | Self::FOLLOWS_B)
     }
 
     /// Shader definitions of it.
@@ -168,13 +190,14 @@ impl BumpKey {
         [
             (self.is_any(), "FRESCO_BUMP"),
             (self.uses_uv_a(), "FRESCO_UV_A"),
-            (self.has(Self::MAIN_UV_B | Self::DETAIL_UV_B), "FRESCO_UV_B"),
+            (self.uses_uv_b(), "FRESCO_UV_B"),
             (self.has(Self::MAIN), "FRESCO_MAIN_BUMP"),
             (self.has(Self::MAIN_UV_B), "FRESCO_MAIN_UV_B"),
             (self.has(Self::DETAIL), "FRESCO_DETAIL_BUMP"),
             (self.has(Self::DETAIL_UV_B), "FRESCO_DETAIL_UV_B"),
             (self.has(Self::CURVATURE), "FRESCO_CURVATURE"),
             (self.has(Self::CUBIC), "FRESCO_CUBIC"),
+            (self.has(Self::PARALLAX), "FRESCO_PARALLAX"),
         ]
         .into_iter()
         .filter_map(|(is_set, name)| is_set.then_some(name))
@@ -188,6 +211,7 @@ pub(in crate::plugin) struct BumpUniform {
     row_v: Vec4,
     size: Vec4,
     range: Vec4,
+    sight: Vec4,
 }
 
 impl BumpUniform {
@@ -209,6 +233,9 @@ impl BumpUniform {
             row_v: Vec4::new(m.x_axis.y, m.y_axis.y, t.y, unit),
             size: map.size.as_vec2().extend(map.steepest).extend(bits.into()),
             range: map.range.extend(0.0).extend(0.0),
+            sight: (bump.parallax.as_ref()).map_or(Vec4::ZERO, |parallax| {
+                parallax.uniform(map.range, height < 0.0)
+            }),
         }
     }
 }

@@ -7,6 +7,10 @@
     mesh_functions,
     mesh_view_bindings::view,
 }
+#ifdef FRESCO_PARALLAX
+#import bevy_fresco::parallax
+#import bevy_pbr::pbr_functions::calculate_view
+#endif
 #ifdef PREPASS_PIPELINE
 #import bevy_pbr::prepass_io::VertexOutput
 #else
@@ -22,6 +26,9 @@ struct Bump {
     size: vec4<f32>,
     // Of heights: that of the texture's 0, and how much higher its 1 is.
     range: vec4<f32>,
+    // Height of the mesh between the two, steepest slope of sight, and how much relief is left at a distance d:
+    // z − w d.
+    sight: vec4<f32>,
 }
 
 struct Fresco {
@@ -38,17 +45,24 @@ struct Fresco {
 @group(#{MATERIAL_BIND_GROUP}) @binding(103) var bump_heights: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(104) var detail_slopes: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(105) var detail_sampler: sampler;
+#ifdef FRESCO_PARALLAX
+@group(#{MATERIAL_BIND_GROUP}) @binding(106) var bump_bounds: texture_2d<f32>;
+#endif
 
 // What heights are measured in.
 const IN_MESH: f32 = 0.0;
 const IN_WORLD: f32 = 1.0;
 const IN_UV: f32 = 2.0;
 
+// Rays that move further, in texels, come from texture coordinates without sense.
+const MOST_TEXELS: f32 = 1e5;
+
 const REPEATS_U: u32 = 1u;
 const REPEATS_V: u32 = 2u;
 const PASSES_BY: u32 = 4u;
 
-// A surface as it is without relief, and all that bumps need of it, found where all pixels of a quad run.
+// A surface as it is without relief, and all that bumps need of it, found where all pixels of a quad run
+// (`surface`).
 struct Surface {
     // Outward, also where it is seen from behind.
     normal: vec3<f32>,
@@ -84,6 +98,17 @@ struct Coordinates {
     by_v: vec3<f32>,
     dx: vec2<f32>,
     dy: vec2<f32>,
+}
+
+// Both texture coordinates of the mesh, as far as anything lies on them.
+struct Channels {
+    a: Coordinates,
+    b: Coordinates,
+#ifdef FRESCO_PARALLAX
+    // How far what is seen lies below the mesh, the map's range being 1, and texels that were read to find it.
+    depth: f32,
+    reads: f32,
+#endif
 }
 
 fn surface(in: VertexOutput) -> Surface {
@@ -148,13 +173,16 @@ fn sample_slopes(slopes: texture_2d<f32>, by: sampler, one: Bump, uv: Coordinate
     return bump::relief_of_moments(moments, one.size.z);
 }
 
+// What heights are measured in: for those of the map, how long a unit of its coordinates is on the surface.
+fn width_of(uv: Coordinates, one: Bump) -> f32 {
+    let width = sqrt(2.0 / max(dot(uv.by_u, uv.by_u) + dot(uv.by_v, uv.by_v), 1e-30));
+    return select(1.0, width, one.row_v.w == IN_UV);
+}
+
 // Adds a bump: `relief` at `uv`.
 fn add(sum: Sum, one: Bump, relief: bump::Relief, uv: Coordinates) -> Sum {
     let in_mesh = one.row_v.w == IN_MESH;
-    let in_uv = one.row_v.w == IN_UV;
-    // How long a unit of the map's coordinates is on the surface.
-    let width = sqrt(2.0 / max(dot(uv.by_u, uv.by_u) + dot(uv.by_v, uv.by_v), 1e-30));
-    let scale = one.row_u.w * select(1.0, width, in_uv);
+    let scale = one.row_u.w * width_of(uv, one);
     let gradient = scale * (relief.slopes.x * uv.by_u + relief.slopes.y * uv.by_v);
     let height = scale * relief.height;
     let variance = scale * scale * bump::slope_variance(relief.variance, uv.by_u, uv.by_v);
@@ -195,47 +223,132 @@ fn sample_bump(uv: Coordinates) -> bump::Relief {
 }
 #endif
 
-// For entry points, before anything is discarded and where all pixels of a quad run.
-fn raise(
+// For entry points, where all pixels of a quad run: the texture coordinates there.
+fn channels(
     in: VertexOutput,
 #ifdef VERTEX_UV_GRADIENTS
     by_u: vec3<f32>,
     by_v: vec3<f32>,
 #endif
+    on: Surface,
+) -> Channels {
+    var found: Channels;
+#ifdef FRESCO_UV_A
+#ifdef VERTEX_UV_GRADIENTS
+    found.a = on_mesh(on, in.uv, by_u, by_v);
+#else
+    found.a = on_screen(on, in.uv);
+#endif
+#endif
+#ifdef FRESCO_UV_B
+    found.b = on_screen(on, in.uv_b);
+#endif
+    return found;
+}
+
+// Through the transform of the standard material.
+fn by_material(uv: Coordinates, m: mat3x3<f32>) -> Coordinates {
+    return transformed(uv, vec3(m[0].x, m[1].x, m[2].x), vec3(m[0].y, m[1].y, m[2].y));
+}
+
+#ifdef FRESCO_MAIN_BUMP
+// The main bump's own texture coordinates.
+fn on_main_bump(at: Channels, uv_transform: mat3x3<f32>) -> Coordinates {
+#ifdef FRESCO_MAIN_UV_B
+    let uv = by_material(at.b, uv_transform);
+#else
+    let uv = by_material(at.a, uv_transform);
+#endif
+    return transformed(uv, fresco.main_bump.row_u.xyz, fresco.main_bump.row_v.xyz);
+}
+#endif
+
+#ifdef FRESCO_PARALLAX
+// Moves texture coordinates from where the ray of sight meets the mesh to where it meets the relief.
+fn look(in: VertexOutput, on: Surface, mesh: Channels, uv_transform: mat3x3<f32>) -> Channels {
+    let one = fresco.main_bump;
+    let uv = on_main_bump(mesh, uv_transform);
+    let V = calculate_view(in.world_position, view.clip_from_view[3].w == 1.0);
+    // Whichever way triangles are wound or mirrored, and whatever Bevy takes for the front.
+    let face = cross(on.a, on.b);
+    let is_behind = (dot(face, V) < 0.0) != (dot(face, on.normal) < 0.0);
+    let side = select(1.0, -1.0, is_behind);
+    let up = side * select(on.normal, on.up, one.row_v.w == IN_MESH);
+    let slide = parallax::slide(side * on.normal, V, up, one.sight.y);
+
+    let width = width_of(uv, one);
+    let away = distance(in.world_position.xyz, view.world_position.xyz);
+    let left = clamp(one.sight.z - one.sight.w * away, 0.0, 1.0);
+    let bias = exp2(view.mip_bias);
+    let mip = parallax::mip_of(bias * dpdxCoarse(uv.at), bias * dpdyCoarse(uv.at), bump_heights);
+    let depth = abs(one.row_u.w) * width * one.range.y * left;
+    let by_depth = depth * vec2(dot(uv.by_u, slide), dot(uv.by_v, slide));
+    // What moves by less than half a texel, and so by less than half a pixel, is left out, and comes in by and by.
+    let finest = vec2<i32>(textureDimensions(bump_heights, 0));
+    let texels = length(by_depth * vec2<f32>(parallax::size_of(finest, mip)));
+    let shown = smoothstep(0.5, 1.0, texels);
+
+    let is_inverted = is_behind != (one.row_u.w < 0.0);
+    let level = select(one.sight.x, 1.0 - one.sight.x, is_inverted);
+    let bits = u32(one.size.w);
+    let repeats = vec2((bits & REPEATS_U) != 0u, (bits & REPEATS_V) != 0u);
+    // Always true, and so is the first condition below. They stand there for Mesa 22.3's lavapipe, as in
+    // `sample_bump`: nothing that the march branches on may come from uniforms before it comes from something else.
+    let always = abs(on.normal.x) < bump::HUGE;
+    let ray = parallax::Ray(
+        select(vec2(0.0), uv.at, always),
+        select(vec2(0.0), shown * by_depth, always),
+        select(0.0, level, always),
+        select(false, is_inverted, always),
+    );
+    var seen = mesh;
+    // Written so that what is no number fails it.
+    if abs(on.normal.y) < bump::HUGE && shown > 0.0 && texels < MOST_TEXELS {
+        let hit = parallax::march(
+            bump_heights,
+            bump_bounds,
+            select(vec2(false), repeats, always),
+            ray,
+            select(0, mip, always),
+        );
+        seen.depth = shown * hit.depth;
+        seen.reads = hit.reads;
+    }
+    let moved = slide * (depth * seen.depth);
+    seen.a.at += vec2(dot(mesh.a.by_u, moved), dot(mesh.a.by_v, moved));
+    seen.b.at += vec2(dot(mesh.b.by_u, moved), dot(mesh.b.by_v, moved));
+    return seen;
+}
+
+// For Bevy's own textures.
+fn seen_uvs(seen: Channels, uv_transform: mat3x3<f32>) -> parallax::SeenUvs {
+    let a = by_material(seen.a, uv_transform);
+    let b = by_material(seen.b, uv_transform);
+    let bias = exp2(view.mip_bias);
+    return parallax::SeenUvs(a.at, bias * a.dx, bias * a.dy, b.at, bias * b.dx, bias * b.dy);
+}
+#endif // FRESCO_PARALLAX
+
+// For entry points, before anything is discarded and where all pixels of a quad run: the relief at what is seen.
+fn raise(
+    on: Surface,
+    seen: Channels,
     uv_transform: mat3x3<f32>,
     // Unit normal of Bevy's normal map, outward.
     mapped: vec3<f32>,
 ) -> Raised {
-    let on = surface(in);
-    let base_u = vec3(uv_transform[0].x, uv_transform[1].x, uv_transform[2].x);
-    let base_v = vec3(uv_transform[0].y, uv_transform[1].y, uv_transform[2].y);
     var sum = Sum(vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, 0.0);
-
-#ifdef FRESCO_UV_A
-#ifdef VERTEX_UV_GRADIENTS
-    let a = transformed(on_mesh(on, in.uv, by_u, by_v), base_u, base_v);
-#else
-    let a = transformed(on_screen(on, in.uv), base_u, base_v);
-#endif
-#endif
-#ifdef FRESCO_UV_B
-    let b = transformed(on_screen(on, in.uv_b), base_u, base_v);
-#endif
-
 #ifdef FRESCO_MAIN_BUMP
-#ifdef FRESCO_MAIN_UV_B
-    let uv = transformed(b, fresco.main_bump.row_u.xyz, fresco.main_bump.row_v.xyz);
-#else
-    let uv = transformed(a, fresco.main_bump.row_u.xyz, fresco.main_bump.row_v.xyz);
-#endif
+    let uv = on_main_bump(seen, uv_transform);
     sum = add(sum, fresco.main_bump, sample_bump(uv), uv);
 #endif
 #ifdef FRESCO_DETAIL_BUMP
 #ifdef FRESCO_DETAIL_UV_B
-    let detail_uv = transformed(b, fresco.detail_bump.row_u.xyz, fresco.detail_bump.row_v.xyz);
+    let detail_on = by_material(seen.b, uv_transform);
 #else
-    let detail_uv = transformed(a, fresco.detail_bump.row_u.xyz, fresco.detail_bump.row_v.xyz);
+    let detail_on = by_material(seen.a, uv_transform);
 #endif
+    let detail_uv = transformed(detail_on, fresco.detail_bump.row_u.xyz, fresco.detail_bump.row_v.xyz);
     let detail = sample_slopes(detail_slopes, detail_sampler, fresco.detail_bump, detail_uv);
     sum = add(sum, fresco.detail_bump, detail, detail_uv);
 #endif

@@ -2,10 +2,10 @@
 
 use bevy::prelude::*;
 use bevy_fresco::height_map::Wrap;
-use bevy_fresco::plugin::bump::{Bump, BumpHeight, HeightImage};
+use bevy_fresco::plugin::bump::{Bump, BumpHeight, HeightImage, Parallax};
 
 use super::{bump, error, on_plane, relief, show, waves_map, waves_on_grid};
-use crate::scenery::grid;
+use crate::scenery::{add, checker, grid};
 use crate::stage::on_stage;
 
 type Make = fn(&mut World) -> (Mesh, Bump);
@@ -34,46 +34,90 @@ fn single(world: &mut World) -> (Mesh, Bump) {
     (grid(), bump(world, map, BumpHeight::World(0.2)))
 }
 
+/// No such file.
+fn no_file(world: &mut World) -> (Mesh, Bump) {
+    let map = world
+        .resource::<AssetServer>()
+        .load("textures/there_is_none.png");
+    (grid(), Bump::new(map, BumpHeight::World(0.2)))
+}
+
+/// A file that is no image.
+fn no_image(world: &mut World) -> (Mesh, Bump) {
+    let map = world.resource::<AssetServer>().load("scenes/furnace.glb");
+    (grid(), Bump::new(map, BumpHeight::World(0.2)))
+}
+
 #[test]
 fn what_is_missing_leaves_surfaces_smooth() {
-    let cases: [(&str, Make, &str); 4] = [
+    let cases: [(&str, Make, &str); 6] = [
         ("no texture coordinates", without_uvs, "UV_0"),
         ("no map", without_map, "does not exist"),
         ("a constant map", constant, "as high everywhere"),
         ("a map of one texel", single, "as high everywhere"),
+        ("no file", no_file, "could not be loaded"),
+        ("no image", no_image, "could not be loaded"),
     ];
     for (name, make, told) in cases {
-        on_stage(move |stage| {
-            // Without any bump Bevy's own shader draws, which shows light: so light is compared.
-            let mut shoot = |has_bump: bool| {
-                stage.shoot(
-                    |_| (),
-                    |world| {
-                        world.insert_resource(GlobalAmbientLight {
-                            brightness: 1000.0,
-                            ..default()
-                        });
-                        let light =
-                            Transform::from_xyz(1.0, 2.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y);
-                        world.spawn((DirectionalLight::default(), light));
-                        let (mesh, bump) = make(world);
-                        let bump = has_bump.then_some(bump);
-                        let entity = show(world, mesh, default(), bump, default());
-                        world.entity_mut(entity).insert(Name::new("the wall"));
-                    },
-                )
-            };
-            let smooth = shoot(false);
-            let found = shoot(true);
-            let apart = found.distance(&smooth);
-            println!("{name}: {apart:.6}");
-            assert!(apart < 1e-3, "{name}: {apart}");
-            let warnings = stage.warnings();
-            let about: Vec<_> = warnings.iter().filter(|w| w.contains("the wall")).collect();
-            assert_eq!(about.len(), 1, "{name}: {warnings:?}");
-            assert!(about[0].contains(told), "{name}: {about:?}");
-        });
+        for parallax in [None, Some(Parallax::default())] {
+            assert_smooth(name, make, told, parallax);
+        }
     }
+}
+
+/// The mesh with the bump shows the same light as without, and it is told once why.
+fn assert_smooth(name: &'static str, make: Make, told: &'static str, parallax: Option<Parallax>) {
+    on_stage(move |stage| {
+        // Bevy tells of files that cannot be loaded, too.
+        stage.expected_errors = &["there_is_none.png", "furnace.glb"];
+        // Without any bump Bevy's own shader draws, which shows light: so light is compared.
+        let mut shoot = |has_bump: bool| {
+            stage.shoot(
+                // Aslant, so that parallax would show.
+                |camera| {
+                    let aside = Transform::from_xyz(1.5, 0.5, 2.5);
+                    camera.insert(aside.looking_at(Vec3::ZERO, Vec3::Y));
+                },
+                |world| {
+                    world.insert_resource(GlobalAmbientLight {
+                        brightness: 1000.0,
+                        ..default()
+                    });
+                    let light = Transform::from_xyz(1.0, 2.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y);
+                    world.spawn((DirectionalLight::default(), light));
+                    let (mesh, mut bump) = make(world);
+                    bump.parallax = parallax.clone();
+                    let base = StandardMaterial {
+                        base_color_texture: Some(add(world, checker())),
+                        ..default()
+                    };
+                    let entity = show(world, mesh, base, has_bump.then_some(bump), default());
+                    world.entity_mut(entity).insert(Name::new("the wall"));
+                },
+            )
+        };
+        let smooth = shoot(false);
+        let found = shoot(true);
+        let apart = found.distance(&smooth);
+        println!("{name}: {apart:.6}");
+        assert!(apart < 1e-3, "{name}: {apart}");
+        let mut about = Vec::new();
+        // Files come when they come.
+        for _ in 0..20 {
+            let warnings = stage.warnings();
+            about = warnings
+                .into_iter()
+                .filter(|w| w.contains("the wall"))
+                .collect();
+            if !about.is_empty() {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(50));
+            stage.change(|_| ());
+        }
+        assert_eq!(about.len(), 1, "{name}: {:?}", stage.warnings());
+        assert!(about[0].contains(told), "{name}: {about:?}");
+    });
 }
 
 /// A map that comes after the material was first drawn, and then another in its place.

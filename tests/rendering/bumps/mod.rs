@@ -19,20 +19,20 @@ use bevy_fresco::height_map::{HeightMap, Wrap};
 use bevy_fresco::plugin::bump::{Bump, BumpHeight, HeightImage};
 use bevy_fresco::plugin::{FrescoExtension, FrescoMaterial};
 
-pub(crate) use passes::PrepassNormals;
+pub(crate) use passes::{PrepassNormals, show_prepass};
 
 use crate::picture::Picture;
 use crate::scenery::add;
 
 /// The angle between two directions in degrees.
-fn degrees(a: Vec3, b: Vec3) -> f32 {
+pub(crate) fn degrees(a: Vec3, b: Vec3) -> f32 {
     // By the cross product: the cosine of small angles says nothing in f32.
     let [a, b] = [a, b].map(DVec3::from);
     a.cross(b).length().atan2(a.dot(b)).to_degrees() as f32
 }
 
 /// A map of heights over texture coordinates.
-fn relief(size: [u32; 2], wrap: Wrap, height: impl Fn(f32, f32) -> f32) -> HeightImage {
+pub(crate) fn relief(size: [u32; 2], wrap: Wrap, height: impl Fn(f32, f32) -> f32) -> HeightImage {
     let [width, rows] = size;
     let heights = (0..width * rows).map(|i| {
         let (x, y) = ((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
@@ -49,7 +49,7 @@ fn seen_from_everywhere() -> StandardMaterial {
     }
 }
 
-fn show(
+pub(crate) fn show(
     world: &mut World,
     mesh: Mesh,
     base: StandardMaterial,
@@ -66,7 +66,7 @@ fn show(
 }
 
 /// A bump by a map that is added to the world.
-fn bump(world: &mut World, map: HeightImage, height: BumpHeight) -> Bump {
+pub(crate) fn bump(world: &mut World, map: HeightImage, height: BumpHeight) -> Bump {
     Bump::new(add(world, map), height)
 }
 
@@ -90,7 +90,7 @@ fn on_plane(picture: &Picture, pixel: usize) -> Vec2 {
     ray(picture, pixel, 1.0, 3.0).xy()
 }
 
-fn normal(picture: &Picture, pixel: usize) -> Vec3 {
+pub(crate) fn normal(picture: &Picture, pixel: usize) -> Vec3 {
     let [x, y, z, _] = picture.pixels[pixel];
     Vec3::new(x, y, z)
 }
@@ -114,7 +114,7 @@ fn error(picture: &Picture, truth: impl Fn(usize) -> Option<Vec3>) -> (f32, f32)
 }
 
 /// A sheet of `n × n` quads over the unit square, by any function of it.
-fn sheet(n: u32, at: impl Fn(Vec2) -> (Vec3, Vec3, Vec2)) -> Mesh {
+pub(crate) fn sheet(n: u32, at: impl Fn(Vec2) -> (Vec3, Vec3, Vec2)) -> Mesh {
     let points = (0..=n).flat_map(|y| (0..=n).map(move |x| Vec2::new(x as f32, y as f32)));
     let points: Vec<_> = points.map(|p| at(p / n as f32)).collect();
     let quads = (0..n).flat_map(|y| (0..n).map(move |x| y * (n + 1) + x));
@@ -139,7 +139,7 @@ fn waves(uv: Vec2) -> (f32, Vec2) {
 }
 
 /// [`waves`] as a map.
-fn waves_map(size: [u32; 2]) -> HeightImage {
+pub(crate) fn waves_map(size: [u32; 2]) -> HeightImage {
     relief(size, Wrap::Repeat, |u, v| waves(Vec2::new(u, v)).0)
 }
 

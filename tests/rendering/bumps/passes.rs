@@ -42,6 +42,16 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
 }
 ";
 
+/// Puts the pane before the scene.
+pub(crate) fn show_prepass(world: &mut World, at: Transform) {
+    let mut shaders = world.resource_mut::<Assets<Shader>>();
+    let shader = Shader::from_wgsl(PANE_SHADER, "pane.wgsl");
+    shaders.insert(&PANE, shader).unwrap();
+    let pane = Mesh3d(add(world, grid()));
+    let material = MeshMaterial3d(add(world, PrepassNormals {}));
+    world.spawn((pane, material, at));
+}
+
 type Camera = fn(&mut EntityWorldMut);
 
 fn shoot(camera: Camera, deferred: bool, see_prepass: bool, has_gradients: bool) -> Picture {
@@ -66,12 +76,7 @@ fn shoot(camera: Camera, deferred: bool, see_prepass: bool, has_gradients: bool)
                 }
                 show(world, mesh, base, Some(waves), default());
                 if see_prepass {
-                    let mut shaders = world.resource_mut::<Assets<Shader>>();
-                    let shader = Shader::from_wgsl(PANE_SHADER, "pane.wgsl");
-                    shaders.insert(&PANE, shader).unwrap();
-                    let pane = Mesh3d(add(world, grid()));
-                    let material = MeshMaterial3d(add(world, PrepassNormals {}));
-                    world.spawn((pane, material, Transform::from_xyz(0.0, 0.0, 0.5)));
+                    show_prepass(world, Transform::from_xyz(0.0, 0.0, 0.5));
                 }
             },
         )
