@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use glam::Vec3;
 
+use self::finer::told_twice;
 use self::passes::Deadline;
 pub(crate) use self::passes::Pass;
 use super::bake::BakeError;
@@ -92,7 +93,9 @@ pub(crate) fn run(
     if let Some(finer) = &finer {
         run.more_elements = finer.elements as f32 / settings.elements as f32;
         run.settings = finer;
+        let first = solved.error;
         solved = run.solved()?;
+        solved.error.cells = told_twice(first.cells, solved.error.cells, run.more_elements);
     }
     run.lit(solved, (cuts, cut_scene.clone()), &deadline)
 }

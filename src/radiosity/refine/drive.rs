@@ -141,7 +141,8 @@ struct Work<'a> {
     stale: BTreeSet<u32>,
     /// Vertices of meshes that are not refined.
     others: usize,
-    /// Of each face: its part of the mean square error times the whole area, relative to the level.
+    /// Of each face: its part of the mean square error times the whole area, relative to the level; below 0
+    /// by chance.
     errors: Vec<f64>,
     rays: u64,
 }
@@ -453,7 +454,8 @@ impl<'a> Work<'a> {
     /// Relative RMSE that the mesh leaves, as far as it stands out from noise.
     fn error(&self) -> f64 {
         let area: f64 = self.faces.iter().map(|f| f.area).sum();
-        (self.errors.iter().sum::<f64>() / area.max(f64::MIN_POSITIVE)).sqrt()
+        let square = self.errors.iter().sum::<f64>() / area.max(f64::MIN_POSITIVE);
+        square.max(0.0).sqrt()
     }
 
     /// Finds the errors of all faces: what is left when the light of each is linear, and when it is one

@@ -21,7 +21,8 @@ pub(super) struct FaceLight {
     pub(super) fits: Option<[[DVec3; 3]; 2]>,
     /// Variance of the light of either set, mean over channels, by what sets them apart.
     pub(super) noise: f64,
-    /// Mean square over the face of what no linear light on it can follow, mean over channels.
+    /// Mean square over the face of what no linear light on it can follow, mean over channels; below 0 by
+    /// chance.
     pub(super) misfit: f64,
     /// Mean light, and over channels.
     pub(super) mean: f64,
@@ -84,7 +85,8 @@ impl FaceLight {
     /// because the errors of the two sets have nothing to do with each other: noise does not look
     /// like detail, on average. With `σ²` for the variance of either set, which their difference
     /// tells, the mean is off by `σ² / √(n − 3)` by chance. What does not stand out from that is
-    /// taken for nothing, or meshes would follow noise for ever.
+    /// taken for nothing, to either side: what chance adds on one face it takes from another, and
+    /// meshes do not follow noise for ever.
     pub(super) fn judge(&mut self) {
         let light = self
             .samples
@@ -124,7 +126,7 @@ impl FaceLight {
         }
         let free = (self.samples.len() - CORNERS) as f64;
         self.noise = apart / (3.0 * free);
-        self.misfit = (sum / (3.0 * free) - SURE * self.noise / free.sqrt()).max(0.0);
+        self.misfit = beyond(sum / (3.0 * free), SURE * self.noise / free.sqrt());
         let by_corner = |set: [DVec3; 3]| {
             let corner = |i: usize| DVec3::new(set[0][i], set[1][i], set[2][i]);
             [corner(0), corner(1), corner(2)]
@@ -155,8 +157,13 @@ impl FaceLight {
         // Σ_i a_i b_i + Σ_{i≠j} a_i b_j / 2
         let square = 0.5 * (own + all(0).dot(all(1))) / 6.0 / 3.0;
         let n = self.samples.len() as f64;
-        (square - SURE * (CORNERS as f64).sqrt() * self.noise / n).max(0.0)
+        beyond(square, SURE * (CORNERS as f64).sqrt() * self.noise / n)
     }
+}
+
+/// By how much a number is farther from 0 than a limit.
+fn beyond(value: f64, limit: f64) -> f64 {
+    value - value.clamp(-limit, limit)
 }
 
 #[cfg(test)]
