@@ -91,10 +91,12 @@
 pub mod bump;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod displacement;
 #[cfg(feature = "gltf")]
 pub mod gltf;
 pub mod height_map;
 pub mod mesh;
+mod parallel;
 #[cfg(feature = "bevy")]
 pub mod plugin;
 pub mod radiosity;

@@ -219,6 +219,7 @@ impl Refiner<'_> {
         let kept = meshes.vertex_count() - work.conforming.vertex_count();
         let limits = Limits {
             max_vertices: goal.max_vertices.saturating_sub(kept),
+            max_faces: usize::MAX,
             min_edge: goal.min_edge,
         };
         let mut full = !work.cut_long_edges(&limits);
