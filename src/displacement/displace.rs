@@ -5,8 +5,8 @@ use super::raise::raise;
 use super::surface::Surface;
 use super::uniform::{self, Plan};
 use super::{
-    Base, Bounds, DisplacementError, DisplacementReport, DisplacementSettings, Spacing, Stop,
-    Tessellation,
+    Base, Bounds, DisplacementError, DisplacementReport, DisplacementSettings, Tessellation,
+    adaptive,
 };
 use crate::height_map::HeightMap;
 use crate::mesh::RefinedMesh;
@@ -83,6 +83,12 @@ pub fn displace(
             displaced.report.stop = plan.stop;
             Ok(displaced)
         }
-        Tessellation::Adaptive { .. } => Err(DisplacementError::Cancelled),
+        Tessellation::Adaptive { tolerance } => {
+            let adapted = adaptive::tessellate(&surface, heights, tolerance, budget, watch)?;
+            let mut displaced = raise(&surface, &heights, adapted.tessellated, settings, watch)?;
+            displaced.report.error = Some(adapted.error);
+            displaced.report.stop = adapted.stop;
+            Ok(displaced)
+        }
     }
 }

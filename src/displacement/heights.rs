@@ -44,6 +44,16 @@ impl<'a> Heights<'a> {
         heights.fold(0.0, |highest, h| if h <= highest { highest } else { h })
     }
 
+    /// From the lowest texel to the highest, in metres.
+    pub(super) fn range(&self) -> f32 {
+        let heights = || self.map.heights().iter().copied();
+        let (low, high) = (
+            heights().fold(f32::INFINITY, f32::min),
+            heights().fold(f32::NEG_INFINITY, f32::max),
+        );
+        self.scale.abs() * (high - low)
+    }
+
     /// Height in metres.
     pub(super) fn height(&self, uv: Vec2) -> f32 {
         self.scale * (self.map.height(uv, self.kernel) - self.mid_level)

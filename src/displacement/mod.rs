@@ -55,8 +55,10 @@
 //! | `tessellated` | what both kinds of tessellation make |
 //! | `raise` | heights, positions and normals of all vertices |
 
+mod adaptive;
 mod base;
 mod corner;
+mod deviation;
 mod direction;
 mod error;
 mod frame;
@@ -66,6 +68,7 @@ mod normals;
 mod raise;
 mod report;
 mod settings;
+mod sides;
 mod surface;
 mod tessellated;
 mod uniform;

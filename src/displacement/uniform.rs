@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::Stop;
 use super::lattice::Lattice;
 use super::settings::{Budget, Spacing, result_bytes};
+use super::sides::{goes_up, sides};
 use super::surface::{Sheet, Surface};
 use super::tessellated::{Tessellated, Twins};
 use crate::mesh::{RefinedMesh, SurfacePoint};
@@ -32,9 +33,6 @@ struct Edge {
     places: u32,
     pieces: u32,
 }
-
-/// A side of a triangle: places, part, vertices at them, then which triangle and which of its sides.
-type Side = ([u32; 2], u32, [u32; 2], u32, u8);
 
 /// Steps in which the share of the density is looked for.
 const HALVINGS: u32 = 24;
@@ -185,33 +183,6 @@ pub(super) fn wanted<'a>(
             }
         }
     }
-}
-
-/// Sides of all triangles, those at one edge beside each other.
-fn sides(surface: &Surface) -> Vec<Side> {
-    let mut sides = Vec::new();
-    for (part, sheet) in (0..).zip(&surface.sheets) {
-        for (triangle, corners) in sheet.triangles.iter().enumerate() {
-            for side in 0..3 {
-                let mut ends = [corners[side], corners[(side + 1) % 3]];
-                if !goes_up(sheet, triangle, side) {
-                    ends.swap(0, 1);
-                }
-                let places = ends.map(|v| sheet.places[v as usize]);
-                sides.push((places, part, ends, triangle as u32, side as u8));
-            }
-        }
-    }
-    sides.sort_unstable();
-    sides
-}
-
-/// Whether a side goes from the lower place to the higher.
-fn goes_up(sheet: &Sheet, triangle: usize, side: usize) -> bool {
-    let corners = sheet.triangles[triangle];
-    let [a, b] = [corners[side], corners[(side + 1) % 3]];
-    let [p, q] = [a, b].map(|v| sheet.places[v as usize]);
-    (p, a) <= (q, b)
 }
 
 impl Edge {

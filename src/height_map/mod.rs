@@ -48,11 +48,13 @@
 //! | `warning` | what is told about it |
 //! | `slopes` | derivative maps and normal maps |
 //! | `pyramid` | smaller and smaller, with what slopes vary by |
+//! | `bounds` | planes over blocks, and how far heights leave them |
 
 mod albedo;
 #[cfg(test)]
 mod albedo_test;
 mod border;
+mod bounds;
 mod components;
 mod contrast;
 mod dequantize;
@@ -77,6 +79,7 @@ mod slopes;
 mod test_photos;
 mod warning;
 
+pub use bounds::{Block, BoundsPyramid};
 pub use contrast::Stretch;
 pub use kernel::{Kernel, Relief};
 pub use map::{HeightMap, HeightMapError, Wrap};

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on panics")]
 
 mod accuracy;
+mod adaptive;
 mod meshes;
 mod robust;
 mod watertight;

@@ -139,7 +139,7 @@ fn shaken_cube() -> Mesh {
     mesh
 }
 
-fn cases() -> Vec<(&'static str, Mesh, f32)> {
+pub fn cases() -> Vec<(&'static str, Mesh, f32)> {
     vec![
         ("cube with hard edges", cube(), 0.0),
         ("sphere with a seam", sphere(12, 6), 0.0),
