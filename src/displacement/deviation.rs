@@ -185,7 +185,7 @@ impl<'a> Search<'a> {
         allowance * self.stretch
     }
 
-    /// Looks at the texels of the face, block by block, the whole map first.
+    /// Looks at the texels of the face, block by block, the largest first.
     fn descend(&mut self) {
         let [a, b, c] = self.texels;
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
@@ -202,10 +202,23 @@ impl<'a> Search<'a> {
             self.take_whole_map(top);
             return;
         }
+        // Blocks as large as the face: it has at most four of them in each repetition.
+        let extent = (high - low).max_element();
+        let level = (0..top).find(|&l| BoundsPyramid::side(l) as f32 >= extent);
+        let level = level.unwrap_or(top);
         for row in tiles[1].clone() {
             for column in tiles[0].clone() {
                 let offset = Vec2::new(column as f32, row as f32) * self.of.size;
-                self.visit(offset, top, [0, 0]);
+                let side = BoundsPyramid::side(level) as f32;
+                let block = |p: Vec2, axis: usize| {
+                    let block = ((p - offset) / side)[axis].max(0.0) as u32;
+                    block.min(self.of.bounds.size(level)[axis] - 1)
+                };
+                for y in block(low, 1)..=block(high, 1) {
+                    for x in block(low, 0)..=block(high, 0) {
+                        self.visit(offset, level, [x, y]);
+                    }
+                }
             }
         }
     }

@@ -74,6 +74,16 @@ impl BoundsPyramid {
         self.levels.len() - 1
     }
 
+    /// Width and height of a block, in texels.
+    pub fn side(level: usize) -> u32 {
+        CELLS << level
+    }
+
+    /// Columns and rows of blocks on a level.
+    pub fn size(&self, level: usize) -> [u32; 2] {
+        self.sizes[level]
+    }
+
     /// The block in column `x` and row `y`; nothing beyond the border.
     pub fn block(&self, level: usize, [x, y]: [u32; 2]) -> Option<Block> {
         let [columns, rows] = self.sizes[level];
@@ -82,7 +92,7 @@ impl BoundsPyramid {
 
     /// The lower and the upper corner of a block, in texels.
     pub fn extent(&self, level: usize, [x, y]: [u32; 2]) -> [Vec2; 2] {
-        let side = CELLS << level;
+        let side = Self::side(level);
         let corner = |x: u32, y: u32| {
             let [width, height] = self.cells;
             Vec2::new((x * side).min(width) as f32, (y * side).min(height) as f32)
@@ -92,7 +102,7 @@ impl BoundsPyramid {
 
     /// The middle of a block's plane, in texels.
     pub fn middle(level: usize, [x, y]: [u32; 2]) -> Vec2 {
-        (Vec2::new(x as f32, y as f32) + 0.5) * (CELLS << level) as f32
+        (Vec2::new(x as f32, y as f32) + 0.5) * Self::side(level) as f32
     }
 
     fn add_level(&mut self) {

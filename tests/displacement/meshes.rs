@@ -8,15 +8,15 @@ use glam::{Vec2, Vec3, vec2, vec3};
 
 /// A mesh of its own.
 #[derive(Clone, Debug, Default)]
-pub struct Mesh {
-    pub positions: Vec<Vec3>,
-    pub normals: Vec<Vec3>,
-    pub uvs: Vec<Vec2>,
-    pub triangles: Vec<[u32; 3]>,
+pub(crate) struct Mesh {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) normals: Vec<Vec3>,
+    pub(crate) uvs: Vec<Vec2>,
+    pub(crate) triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {
-    pub fn base(&self) -> Base<'_> {
+    pub(crate) fn base(&self) -> Base<'_> {
         Base {
             positions: &self.positions,
             normals: &self.normals,
@@ -25,7 +25,7 @@ impl Mesh {
         }
     }
 
-    pub fn vertex(&mut self, position: Vec3, normal: Vec3, uv: Vec2) -> u32 {
+    pub(crate) fn vertex(&mut self, position: Vec3, normal: Vec3, uv: Vec2) -> u32 {
         self.positions.push(position);
         self.normals.push(normal);
         self.uvs.push(uv);
@@ -33,7 +33,7 @@ impl Mesh {
     }
 
     /// Corners counter-clockwise.
-    pub fn quad(&mut self, corners: [Vec3; 4], uvs: [Vec2; 4]) {
+    pub(crate) fn quad(&mut self, corners: [Vec3; 4], uvs: [Vec2; 4]) {
         let normal = (corners[1] - corners[0])
             .cross(corners[3] - corners[0])
             .normalize();
@@ -42,7 +42,7 @@ impl Mesh {
     }
 }
 
-pub const SQUARE: [Vec2; 4] = [
+pub(crate) const SQUARE: [Vec2; 4] = [
     vec2(0.0, 1.0),
     vec2(1.0, 1.0),
     vec2(1.0, 0.0),
@@ -50,7 +50,7 @@ pub const SQUARE: [Vec2; 4] = [
 ];
 
 /// A square of so many metres a side in the plane z = 0, the whole map on it.
-pub fn plane(side: f32) -> Mesh {
+pub(crate) fn plane(side: f32) -> Mesh {
     let mut mesh = Mesh::default();
     let corners = SQUARE.map(|uv| vec3(uv.x, 1.0 - uv.y, 0.0) * side);
     mesh.quad(corners, SQUARE);
@@ -58,7 +58,7 @@ pub fn plane(side: f32) -> Mesh {
 }
 
 /// A cube from −1 to 1 with hard edges: 24 vertices, the map on each side.
-pub fn cube() -> Mesh {
+pub(crate) fn cube() -> Mesh {
     let mut mesh = Mesh::default();
     for axis in 0..3 {
         for sign in [-1.0, 1.0] {
@@ -79,7 +79,7 @@ pub fn cube() -> Mesh {
 
 /// A surface of `columns × rows` quads over (u, v), the last column at the place of the first, as vertices of
 /// its own. Quads that end in a pole are one triangle. `v` runs down.
-pub fn seamed(columns: u32, rows: u32, at: impl Fn(f32, f32) -> (Vec3, Vec3)) -> Mesh {
+pub(crate) fn seamed(columns: u32, rows: u32, at: impl Fn(f32, f32) -> (Vec3, Vec3)) -> Mesh {
     let mut mesh = Mesh::default();
     for y in 0..=rows {
         for x in 0..=columns {
@@ -105,7 +105,7 @@ pub fn seamed(columns: u32, rows: u32, at: impl Fn(f32, f32) -> (Vec3, Vec3)) ->
 }
 
 /// Where on the unit sphere a longitude and latitude are, the poles to the bit.
-pub fn on_sphere(u: f32, v: f32) -> Vec3 {
+pub(crate) fn on_sphere(u: f32, v: f32) -> Vec3 {
     if v == 0.0 || v == 1.0 {
         return Vec3::Y * (1.0 - 2.0 * v);
     }
@@ -115,7 +115,7 @@ pub fn on_sphere(u: f32, v: f32) -> Vec3 {
 }
 
 /// The unit sphere.
-pub fn sphere(columns: u32, rows: u32) -> Mesh {
+pub(crate) fn sphere(columns: u32, rows: u32) -> Mesh {
     seamed(columns, rows, |u, v| {
         let p = on_sphere(u, v);
         (p, p)
@@ -123,7 +123,7 @@ pub fn sphere(columns: u32, rows: u32) -> Mesh {
 }
 
 /// A cylinder about y, of radius and height 1, without lids.
-pub fn cylinder(columns: u32, rows: u32, inwards: bool) -> Mesh {
+pub(crate) fn cylinder(columns: u32, rows: u32, inwards: bool) -> Mesh {
     let sign = if inwards { -1.0 } else { 1.0 };
     let mut mesh = seamed(columns, rows, |u, v| {
         let (sin, cos) = (TAU * u).sin_cos();
@@ -137,7 +137,7 @@ pub fn cylinder(columns: u32, rows: u32, inwards: bool) -> Mesh {
 }
 
 /// A map of rough noise that tiles.
-pub fn noise(side: u32, seed: u32) -> HeightMap {
+pub(crate) fn noise(side: u32, seed: u32) -> HeightMap {
     map([side; 2], |x, y| {
         let mut h = x.wrapping_mul(0x9E37_79B9) ^ y.wrapping_mul(0x85EB_CA6B) ^ seed;
         h = (h ^ h >> 16).wrapping_mul(0x7FEB_352D);
@@ -146,7 +146,7 @@ pub fn noise(side: u32, seed: u32) -> HeightMap {
     })
 }
 
-pub fn map(size: [u32; 2], height: impl Fn(u32, u32) -> f32) -> HeightMap {
+pub(crate) fn map(size: [u32; 2], height: impl Fn(u32, u32) -> f32) -> HeightMap {
     let heights = (0..size[0] * size[1]).map(|i| height(i % size[0], i / size[0]));
     HeightMap::new(size, heights.collect(), [Wrap::Repeat; 2]).unwrap()
 }

@@ -21,7 +21,7 @@ fn edge<T: Ord>(a: T, b: T) -> (T, T) {
 
 /// Every edge of the result has as many faces as the base has there: two inside of its triangles, and along
 /// its edges those that the base has. All by positions to the bit, those of the base welded by `tolerance`.
-pub fn assert_watertight(what: &str, bases: &[Base], displaced: &Displaced, tolerance: f32) {
+pub(crate) fn assert_watertight(what: &str, bases: &[Base], displaced: &Displaced, tolerance: f32) {
     let weld = |p: Vec3| match tolerance > 0.0 {
         true => place((p / tolerance).round()),
         false => place(p),
@@ -139,7 +139,7 @@ fn shaken_cube() -> Mesh {
     mesh
 }
 
-pub fn cases() -> Vec<(&'static str, Mesh, f32)> {
+pub(crate) fn cases() -> Vec<(&'static str, Mesh, f32)> {
     vec![
         ("cube with hard edges", cube(), 0.0),
         ("sphere with a seam", sphere(12, 6), 0.0),
