@@ -11,6 +11,7 @@
 //! | `sweep` | every method with every budget on one scene |
 //! | `studies` | solvers, numbers of elements, vertices |
 //! | `refinement`, `refinement_charts` | vertices placed by the light, and spread evenly |
+//! | `displacement`, `displaced_error` | relief by vertices where they are needed, and spread evenly |
 //! | `known` | scenes whose light is known at every point, shared with tests |
 //! | `results` | all that was measured, and who won |
 //! | `csv`, `charts`, `chart`, `svg`, `markdown`, `reading`, `text` | how it is told |
@@ -20,6 +21,9 @@
 mod chart;
 mod charts;
 mod csv;
+#[path = "../../tests/displacement/measure.rs"]
+mod displaced_error;
+mod displacement;
 #[path = "../../tests/common/known/mod.rs"]
 mod known;
 mod markdown;
@@ -56,10 +60,10 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    let write = if plan.only_wants("refinement") {
-        write_refinement
-    } else {
-        write
+    let write = match &plan {
+        plan if plan.only_wants("refinement") => write_refinement,
+        plan if plan.only_wants("displacement") => write_displacement,
+        _ => write,
     };
     match measure(&plan).and_then(|results| write(&results, &plan.out)) {
         Ok(()) => ExitCode::SUCCESS,
@@ -107,6 +111,9 @@ fn measure(plan: &Plan) -> Result<Results, Box<dyn Error>> {
     if plan.wants("refinement") {
         results.used = refinement::study(plan, say)?;
     }
+    if plan.wants("displacement") {
+        results.raised = displacement::study(plan, say)?;
+    }
     say("measured");
     Ok(results)
 }
@@ -125,6 +132,20 @@ fn write_refinement(results: &Results, folder: &Path) -> Result<(), Box<dyn Erro
     Ok(())
 }
 
+/// The same of displacement.
+fn write_displacement(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
+    std::fs::create_dir_all(folder)?;
+    std::fs::write(
+        folder.join("displacement.csv"),
+        displacement::csv(&results.raised),
+    )?;
+    for (name, chart) in displacement::charts(&results.raised) {
+        std::fs::write(folder.join(name), chart.draw())?;
+    }
+    eprintln!("written to {}", folder.display());
+    Ok(())
+}
+
 /// Charts and tables into a folder, the report beside it.
 fn write(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
@@ -135,6 +156,7 @@ fn write(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
         folder.join("refinement.csv"),
         refinement::csv(&results.used),
     )?;
+    write_displacement(results, folder)?;
     let used = refinement_charts::charts(&results.used);
     for (name, chart) in charts::all(results).into_iter().chain(used) {
         std::fs::write(folder.join(name), chart.draw())?;

@@ -1,5 +1,6 @@
 //! All that was measured, and questions to it.
 
+use crate::displacement::Raised;
 use crate::methods::{FAMILIES, Family};
 use crate::metrics::{cost_of, median};
 use crate::reference::Reference;
@@ -16,6 +17,7 @@ pub(crate) struct Results {
     pub(crate) refined: Vec<Refined>,
     pub(crate) at_vertices: Vec<AtVertices>,
     pub(crate) used: Vec<Used>,
+    pub(crate) raised: Vec<Raised>,
     pub(crate) quick: bool,
 }
 

@@ -1,7 +1,7 @@
 //! Failure modes 20, 24, 26 and 29 of adaptive tessellation.
 
 use bevy_fresco::displacement::{
-    Direction, Displaced, DisplacementSettings, Spacing, Stop, Tessellation, displace,
+    Direction, DisplacementSettings, Spacing, Stop, Tessellation, displace,
 };
 use bevy_fresco::height_map::{HeightMap, Kernel};
 use glam::{Vec2, Vec3};

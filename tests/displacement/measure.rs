@@ -13,7 +13,7 @@ pub(crate) fn error_of_plane(
     samples: u32,
 ) -> f32 {
     let part = &displaced.parts[0];
-    let cells = 128;
+    let cells = 512;
     let mut over: Vec<Vec<u32>> = vec![Vec::new(); cells * cells];
     let cell = |x: f32| ((x * cells as f32).floor().max(0.0) as usize).min(cells - 1);
     for (i, t) in (0..).zip(&part.mesh.triangles) {

@@ -68,7 +68,9 @@ fn make(session: &Session, args: &DisplaceArgs) -> Result<(Vec<u8>, Done), Failu
     let map = read_map(args)?;
     go_on(session)?;
 
-    let warnings = map.warnings.iter().map(ToString::to_string);
+    // The others are about light in photos.
+    let seams = (map.warnings.iter()).filter(|w| matches!(w, Warning::NotTiling { .. }));
+    let warnings = seams.map(ToString::to_string);
     let notes = file.notes.iter().cloned().chain(warnings).collect();
     let mut done = Done::new(args.tolerance(), notes);
     let mut displaced: Vec<(Vec<&PrimitiveSurface>, Displaced)> = Vec::new();
