@@ -49,10 +49,8 @@ pub(super) fn tessellate(
     let mut limit = first;
     let mut full = None;
     while full.is_none() {
-        if !watch.goes_on("tessellate", progress(first, limit, tolerance)) {
-            return Err(DisplacementError::Cancelled);
-        }
-        full = work.cut_beyond(limit, budget);
+        let done = progress(first, limit, tolerance);
+        full = work.cut_beyond(limit, budget, &|| watch.goes_on("tessellate", done))?;
         if limit <= tolerance {
             break;
         }
@@ -132,9 +130,17 @@ impl<'a> Work<'a> {
     }
 
     /// Bisects faces until none is off by more than `limit`; says if there is no room for that.
-    fn cut_beyond(&mut self, limit: f32, budget: Budget) -> Option<Stop> {
+    fn cut_beyond(
+        &mut self,
+        limit: f32,
+        budget: Budget,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<Stop>, DisplacementError> {
         let mut stale: Vec<u32> = (0..self.conforming.faces()).collect();
         while !stale.is_empty() {
+            if !goes_on() {
+                return Err(DisplacementError::Cancelled);
+            }
             self.judge(&stale, |deviation, face| deviation.beyond(face, limit));
             stale.retain(|&face| self.errors[face as usize] > limit && !self.stuck[face as usize]);
             let error = |&face: &u32| self.errors[face as usize];
@@ -144,10 +150,10 @@ impl<'a> Work<'a> {
             self.know_new_vertices();
             if full.is_some() {
                 self.judge(&stale, |deviation, face| deviation.beyond(face, limit));
-                return full;
+                return Ok(full);
             }
         }
-        None
+        Ok(None)
     }
 
     fn judge(&mut self, faces: &[u32], error: impl Fn(&Deviation, &Face) -> f32 + Sync) {

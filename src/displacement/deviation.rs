@@ -387,3 +387,36 @@ pub(super) fn distance_to_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     let sum = va + vb + vc;
     p.distance(a + ab * (vb / sum) + ac * (vc / sum))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Beside each side, at each corner, and over the middle; against the nearest of many points.
+    #[test]
+    fn distances_are_to_the_nearest_point() {
+        let triangle = [
+            Vec3::ZERO,
+            Vec3::new(2.0, 0.0, 0.0),
+            Vec3::new(0.5, 1.5, 0.5),
+        ];
+        let n = 200;
+        for i in 0..9 {
+            for j in 0..9 {
+                for z in [-0.7, 0.3] {
+                    let p = Vec3::new(i as f32 * 0.5 - 1.0, j as f32 * 0.5 - 1.0, z);
+                    let mut nearest = f32::INFINITY;
+                    for a in 0..=n {
+                        for b in 0..=n - a {
+                            let w = Vec3::new(a as f32, b as f32, (n - a - b) as f32) / n as f32;
+                            let q = triangle[0] * w.x + triangle[1] * w.y + triangle[2] * w.z;
+                            nearest = nearest.min(p.distance(q));
+                        }
+                    }
+                    let found = distance_to_triangle(p, triangle);
+                    assert!((found - nearest).abs() < 0.01, "{p}: {found}, {nearest}");
+                }
+            }
+        }
+    }
+}

@@ -47,11 +47,14 @@
 //!
 //! | file | what it does |
 //! |---|---|
+//! | `displace` | the pipeline as drawn |
 //! | `settings`, `base`, `error`, `report` | what goes in and what comes out |
 //! | `surface` | the meshes welded into one surface |
 //! | `direction`, `normals`, `frame`, `corner` | `D`; `N`; `∇u`, `∇v`, `W` and the normal; corners and their angles |
 //! | `heights` | `F` |
+//! | `sides` | triangles that meet at edges, and which edges are seams |
 //! | `uniform`, `lattice` | even tessellation: numbers along edges, and a triangle cut to fit them |
+//! | `adaptive`, `deviation` | bisection to a tolerance, and how far the surface is from a face |
 //! | `tessellated` | what both kinds of tessellation make |
 //! | `raise` | heights, positions and normals of all vertices |
 
@@ -60,6 +63,7 @@ mod base;
 mod corner;
 mod deviation;
 mod direction;
+mod displace;
 mod error;
 mod frame;
 mod heights;
@@ -72,8 +76,6 @@ mod sides;
 mod surface;
 mod tessellated;
 mod uniform;
-
-mod displace;
 
 pub use base::Base;
 pub use displace::{Displaced, DisplacedPart, Watch, displace};

@@ -91,10 +91,8 @@ fn count(triangles: Vec<[Place; 3]>) -> i64 {
     let mut edges: Vec<(Place, Place)> = (triangles.iter())
         .flat_map(|t| [0, 1, 2].map(|i| edge(t[i], t[(i + 1) % 3])))
         .collect();
-    for list in [&mut places] {
-        list.sort_unstable();
-        list.dedup();
-    }
+    places.sort_unstable();
+    places.dedup();
     edges.sort_unstable();
     edges.dedup();
     places.len() as i64 - edges.len() as i64 + triangles.len() as i64

@@ -59,7 +59,7 @@ pub(super) struct ReliefArgs {
     #[arg(long, value_name = "LEVEL", value_parser = number, default_value = "0",
           allow_negative_numbers = true)]
     mid_level: f32,
-    /// Which set of texture coordinates lays the map on the meshes: TEXCOORD_0, TEXCOORD_1, ...
+    /// Which set of texture coordinates lays the map on the meshes: 0 is `TEXCOORD_0`
     #[arg(long, value_name = "SET", default_value = "0")]
     pub(super) uv: u32,
     /// How often the map repeats where texture coordinates go from 0 to 1, one number or U,V, above 0
