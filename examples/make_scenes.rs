@@ -1,4 +1,5 @@
-//! Writes the sample scenes to `assets/scenes`: `cargo run --example make_scenes`.
+//! Writes the sample scenes to `assets/scenes` and their height maps to `assets/textures`:
+//! `cargo run --example make_scenes`.
 
 #![expect(clippy::print_stdout, reason = "a program that says what it wrote")]
 
@@ -8,12 +9,15 @@ mod scenes;
 use std::path::Path;
 
 fn main() -> std::io::Result<()> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/scenes");
-    std::fs::create_dir_all(&folder)?;
-    for (name, bytes) in scenes::all() {
-        let path = folder.join(name);
-        std::fs::write(&path, &bytes)?;
-        println!("{}: {} bytes", path.display(), bytes.len());
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    for (folder, files) in [("scenes", scenes::all()), ("textures", scenes::maps())] {
+        let folder = assets.join(folder);
+        std::fs::create_dir_all(&folder)?;
+        for (name, bytes) in files {
+            let path = folder.join(name);
+            std::fs::write(&path, &bytes)?;
+            println!("{}: {} bytes", path.display(), bytes.len());
+        }
     }
     Ok(())
 }

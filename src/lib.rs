@@ -11,7 +11,8 @@
 //! ```
 //!
 //! gives the file back with its light in the vertex attribute `_BAKED_LIGHT`, and a picture of it.
-//! See the README for the options and `docs/file_formats.md` for the contract of the file.
+//! `fresco displace` raises the meshes of a file by a height map first. See the README for the options and
+//! `docs/file_formats.md` for the contract of the file.
 //!
 //! # From Rust
 //!
@@ -63,6 +64,7 @@
 //! | [`radiosity`] | scene, elements, form factors, solver, vertex light; no engine in it | always |
 //! | [`mesh`] | refinement that keeps shared edges together, position classes, texture coordinates | always |
 //! | [`height_map`] | height maps from photos; heights and slopes between their texels | always |
+//! | [`displacement`] | meshes raised by a height map, evenly or where the relief asks for vertices | always |
 //! | [`bump`] | normals of a surface raised by a height map, in plain Rust | always |
 #![cfg_attr(
     feature = "gltf",
@@ -91,10 +93,12 @@
 pub mod bump;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod displacement;
 #[cfg(feature = "gltf")]
 pub mod gltf;
 pub mod height_map;
 pub mod mesh;
+mod parallel;
 #[cfg(feature = "bevy")]
 pub mod plugin;
 pub mod radiosity;

@@ -6,12 +6,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Room of the house, and what its source must not name.
-const RULES: [(&str, &[&str]); 5] = [
+const RULES: [(&str, &[&str]); 6] = [
     (
         "src/height_map",
         &[
             "bevy_",
             "crate::bump",
+            "crate::displacement",
             "crate::mesh",
             "crate::radiosity",
             "crate::gltf",
@@ -27,6 +28,19 @@ const RULES: [(&str, &[&str]); 5] = [
             "crate::gltf",
             "crate::plugin",
             "crate::cli",
+        ],
+    ),
+    (
+        "src/displacement",
+        &[
+            "bevy_",
+            "crate::bump",
+            "crate::radiosity",
+            "crate::gltf",
+            "crate::plugin",
+            "crate::cli",
+            "gltf::",
+            "serde",
         ],
     ),
     (

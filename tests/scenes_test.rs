@@ -85,6 +85,14 @@ fn files_are_what_the_generator_makes() {
         );
         assert!(bytes.len() < 400_000, "{name}: {} bytes", bytes.len());
     }
+    for (name, bytes) in scenes::maps() {
+        let path = path(name).with_file_name("../textures").join(name);
+        let file = std::fs::read(path).expect("the file is there");
+        assert!(
+            file == bytes,
+            "{name} differs: cargo run --example make_scenes"
+        );
+    }
 }
 
 #[test]

@@ -12,6 +12,7 @@
 //! | `studies` | solvers, numbers of elements, vertices |
 //! | `refinement`, `refinement_charts` | vertices placed by the light, and spread evenly |
 //! | `kernels` | normals of bumps, by kernels of height maps |
+//! | `displacement`, `displaced_error` | relief by vertices where they are needed, and spread evenly |
 //! | `known` | scenes whose light is known at every point, shared with tests |
 //! | `results` | all that was measured, and who won |
 //! | `csv`, `charts`, `chart`, `svg`, `markdown`, `reading`, `text` | how it is told |
@@ -21,6 +22,9 @@
 mod chart;
 mod charts;
 mod csv;
+#[path = "../../tests/displacement/measure.rs"]
+mod displaced_error;
+mod displacement;
 mod kernels;
 #[path = "../../tests/common/known/mod.rs"]
 mod known;
@@ -58,12 +62,11 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    let write = if plan.only_wants("refinement") {
-        write_refinement
-    } else if plan.only_wants("kernels") {
-        write_kernels
-    } else {
-        write
+    let write = match &plan {
+        plan if plan.only_wants("refinement") => write_refinement,
+        plan if plan.only_wants("kernels") => write_kernels,
+        plan if plan.only_wants("displacement") => write_displacement,
+        _ => write,
     };
     match measure(&plan).and_then(|results| write(&results, &plan.out)) {
         Ok(()) => ExitCode::SUCCESS,
@@ -115,6 +118,9 @@ fn measure(plan: &Plan) -> Result<Results, Box<dyn Error>> {
         say("kernels");
         results.kernels = kernels::study()?;
     }
+    if plan.wants("displacement") {
+        results.raised = displacement::study(plan, say)?;
+    }
     say("measured");
     Ok(results)
 }
@@ -144,6 +150,20 @@ fn write_kernels(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>>
     Ok(())
 }
 
+/// The same of displacement.
+fn write_displacement(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
+    std::fs::create_dir_all(folder)?;
+    std::fs::write(
+        folder.join("displacement.csv"),
+        displacement::csv(&results.raised),
+    )?;
+    for (name, chart) in displacement::charts(&results.raised) {
+        std::fs::write(folder.join(name), chart.draw())?;
+    }
+    eprintln!("written to {}", folder.display());
+    Ok(())
+}
+
 /// Charts and tables into a folder, the report beside it.
 fn write(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
@@ -155,6 +175,7 @@ fn write(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
         refinement::csv(&results.used),
     )?;
     std::fs::write(folder.join("kernels.csv"), kernels::csv(&results.kernels))?;
+    write_displacement(results, folder)?;
     let used = refinement_charts::charts(&results.used);
     let of_kernels = kernels::charts(&results.kernels);
     for (name, chart) in charts::all(results)

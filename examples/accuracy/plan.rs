@@ -22,7 +22,8 @@ pub(crate) const USAGE: &str = "\
 Measures speed against accuracy of all methods and writes charts.
 
   --quick         a minute instead of a quarter of an hour: fewer points, shorter references
-  --only WHAT     one scene, S1 to S9, or solvers, elements, vertices, refinement or kernels
+  --only WHAT     one scene, S1 to S9, or solvers, elements, vertices, refinement, kernels or
+                  displacement
   --out FOLDER    where to write [default: docs/accuracy]";
 
 impl Plan {

@@ -1,5 +1,6 @@
 //! All that was measured, and questions to it.
 
+use crate::displacement::Raised;
 use crate::kernels;
 use crate::methods::{FAMILIES, Family};
 use crate::metrics::{cost_of, median};
@@ -18,6 +19,7 @@ pub(crate) struct Results {
     pub(crate) at_vertices: Vec<AtVertices>,
     pub(crate) used: Vec<Used>,
     pub(crate) kernels: Vec<kernels::Found>,
+    pub(crate) raised: Vec<Raised>,
     pub(crate) quick: bool,
 }
 

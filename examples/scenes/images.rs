@@ -1,6 +1,6 @@
 use std::io::Cursor;
 
-use image::{ImageFormat, Rgb, RgbImage, Rgba, RgbaImage};
+use image::{ImageBuffer, ImageFormat, Luma, Rgb, RgbImage, Rgba, RgbaImage};
 
 /// Random bits for a place, the same on every run.
 fn hash(x: u32, y: u32) -> u32 {
@@ -41,6 +41,31 @@ pub(super) fn holes() -> Vec<u8> {
         let off = [x, y].map(|i| 2 * (i as i32 % PITCH) + 1 - PITCH);
         let is_hole = off[0] * off[0] + off[1] * off[1] < 10 * 10;
         Rgba([40, 92, 96, if is_hole { 0 } else { 255 }])
+    });
+    let mut png = Cursor::new(Vec::new());
+    image
+        .write_to(&mut png, ImageFormat::Png)
+        .expect("writing to memory does not fail");
+    png.into_inner()
+}
+
+/// Heights of six courses of three bricks with worn edges, joints at 0. Tiles. A grey PNG of 16 bits, 512 by
+/// 512.
+pub(super) fn bricks() -> Vec<u8> {
+    const SIDE: u32 = 512;
+    // Widths of half a joint and of an edge, as shares of the map.
+    const JOINT: f32 = 0.008;
+    const EDGE: f32 = 0.016;
+    let image = ImageBuffer::from_fn(SIDE, SIDE, |x, y| {
+        let [u, v] = [x, y].map(|i| (i as f32 + 0.5) / SIDE as f32);
+        let course = (6.0 * v) as u32;
+        let along = 3.0 * u + 0.5 * (course % 2) as f32;
+        let to_end = |t: f32| t.fract().min(1.0 - t.fract());
+        let to_joint = (to_end(along) / 3.0).min(to_end(6.0 * v) / 6.0);
+        let t = ((to_joint - JOINT) / EDGE).clamp(0.0, 1.0);
+        let brick = (hash(along as u32 % 3, course) % 16) as f32 / 15.0;
+        let height = t * t * (3.0 - 2.0 * t) * (0.85 + 0.15 * brick);
+        Luma([(height * 65_535.0) as u16])
     });
     let mut png = Cursor::new(Vec::new());
     image

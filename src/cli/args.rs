@@ -3,11 +3,13 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 
+use super::displace::DisplaceArgs;
 use super::height::HeightArgs;
 use super::method::MethodArgs;
 use crate::radiosity::{BakeSettings, DirectLight};
 
-/// Bakes the diffuse light of glTF scenes into their vertices, and makes height maps from photos.
+/// Bakes the diffuse light of glTF scenes into their vertices, makes height maps from photos, and raises
+/// meshes by them.
 ///
 /// A .glb or .gltf file with lights (point, spot, sun, emissive materials) goes in. It comes back
 /// as a .glb in which every vertex carries the light it receives: direct light with shadows, and
@@ -28,9 +30,11 @@ Examples:
       the light as vertex colours that any viewer shows.
   fresco height wall.jpg --preview wall.png
       Makes the height map wall.height.png from a photo and shows both, with the relief lit.
+  fresco displace room.glb --map wall.height.png --only plaster
+      Raises what has the material plaster by up to 5 cm, into room.displaced.glb.
 
 `fresco info room.glb` says what a file holds and what a bake of it would take.
-`fresco bake --help` and `fresco height --help` explain every option.";
+`fresco bake --help`, `fresco height --help` and `fresco displace --help` explain every option.";
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
@@ -42,6 +46,9 @@ pub(super) enum Command {
     /// Make a height map from a photo, or maps of slopes and normals from a height map.
     #[command(after_help = super::height::EXAMPLES)]
     Height(Box<HeightArgs>),
+    /// Raise the meshes of a scene by a height map: real relief, finely tessellated.
+    #[command(after_help = super::displace::EXAMPLES)]
+    Displace(Box<DisplaceArgs>),
 }
 
 #[derive(Debug, Args)]
@@ -241,7 +248,7 @@ impl SettingsArgs {
     }
 }
 
-fn number(text: &str) -> Result<f32, String> {
+pub(super) fn number(text: &str) -> Result<f32, String> {
     match text.trim().parse::<f32>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err("not a number".into()),

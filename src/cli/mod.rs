@@ -1,4 +1,4 @@
-//! The command line: `fresco bake`, `fresco info` and `fresco height`.
+//! The command line: `fresco bake`, `fresco info`, `fresco height` and `fresco displace`.
 //!
 //! ```text
 //!   args ─► load ─► validate ─► memory ─► bake ─► export, picture, report ─► write all ─► summary
@@ -9,6 +9,7 @@
 
 mod args;
 mod bake;
+mod displace;
 mod failure;
 mod height;
 mod info;
@@ -77,6 +78,7 @@ pub fn run_in(
             Command::Bake(args) => bake::bake_command(session, &args, out),
             Command::Info(args) => info::info_command(session, &args, out),
             Command::Height(args) => height::height_command(session, &args, out),
+            Command::Displace(args) => displace::displace_command(session, &args, out),
         });
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -4,6 +4,7 @@ use std::sync::atomic::Ordering;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::Session;
+use crate::displacement::Watch;
 use crate::radiosity::{Observer, Stage};
 
 /// A progress bar for the stage at work, and the wish to stop.
@@ -67,6 +68,16 @@ impl Observer for Progress<'_> {
 
     fn cancelled(&self) -> bool {
         self.session.cancel.load(Ordering::Relaxed)
+    }
+}
+
+impl Watch for Progress<'_> {
+    fn goes_on(&self, stage: &'static str, done: f32) -> bool {
+        if let Some(bar) = &self.bar {
+            bar.line.set_message(stage);
+            bar.line.set_position((done * STEPS) as u64);
+        }
+        !self.session.cancel.load(Ordering::Relaxed)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Writes a document back as one `.glb`, with the baked light in it.
 
+mod displaced;
 mod earlier;
 mod glb;
 mod gradient;
@@ -13,6 +14,7 @@ mod refine;
 mod skin;
 mod vertex_colors;
 
+pub use self::displaced::{DisplacedPrimitive, to_displaced_glb};
 use self::{earlier::EarlierLight, glb::Glb, gradient::Nodes, vertex_colors::Painter};
 use super::{Document, GltfError, PrimitiveKey};
 use crate::radiosity::{DirectLight, ObjectLight};

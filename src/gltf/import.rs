@@ -53,8 +53,16 @@ pub fn load(path: &Path) -> Result<GltfScene, GltfError> {
     import(path, &bytes)
 }
 
-/// Like [`load`], with the content of the file at `path` given.
-pub(super) fn import(path: &Path, bytes: &[u8]) -> Result<GltfScene, GltfError> {
+/// A file that was read and checked, and nothing made of it yet.
+pub(super) struct Opened {
+    pub(super) document: Document,
+    pub(super) root: Root,
+    pub(super) hierarchy: Hierarchy,
+    pub(super) notes: Notes,
+}
+
+/// Reads and checks the file at `path`, whose content is `bytes`, with the buffers it refers to.
+pub(super) fn open(path: &Path, bytes: &[u8]) -> Result<Opened, GltfError> {
     let invalid = |reason: String| GltfError::Invalid {
         path: path.to_owned(),
         reason,
@@ -76,8 +84,27 @@ pub(super) fn import(path: &Path, bytes: &[u8]) -> Result<GltfScene, GltfError> 
         json,
         buffers,
     };
+    Ok(Opened {
+        document,
+        root,
+        hierarchy,
+        notes,
+    })
+}
+
+/// Like [`load`], with the content of the file at `path` given.
+pub(super) fn import(path: &Path, bytes: &[u8]) -> Result<GltfScene, GltfError> {
+    let Opened {
+        document,
+        root,
+        hierarchy,
+        notes,
+    } = open(path, bytes)?;
     let importer = Importer::new(&root, &document, hierarchy, notes);
-    let result = importer.run().map_err(invalid)?;
+    let result = importer.run().map_err(|reason| GltfError::Invalid {
+        path: path.to_owned(),
+        reason,
+    })?;
     Ok(GltfScene {
         document,
         scene: result.scene,

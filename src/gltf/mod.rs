@@ -4,10 +4,12 @@
 //! came from; [`to_glb`] writes that document again with baked light in its vertices. What neither
 //! knows goes through untouched. The contract of what is written stands in `docs/file_formats.md`.
 //!
+//! [`load_surfaces`] and [`to_displaced_glb`] do the same for meshes that are displaced, each in its own space.
+//!
 //! | in | out |
 //! |---|---|
 //! | `container`, `check`: bytes and JSON, limits checked first | `export`: light into the JSON |
-//! | `accessor`, `hierarchy`, `primitive`: geometry in world space | `accessor_json`: attributes to refine |
+//! | `accessor`, `hierarchy`, `primitive`: geometry in world space; `surfaces`: in mesh space | `accessor_json`: attributes to refine |
 //! | `material`, `texture`, `punctual`, `camera`: looks and light | `write`: whole files or none |
 
 mod accessor;
@@ -25,14 +27,19 @@ mod notes;
 mod placed;
 mod primitive;
 mod punctual;
+mod surfaces;
 mod texture;
 mod write;
 
 pub use camera::{GltfCamera, GltfProjection};
 pub use document::{Document, PrimitiveKey};
 pub use error::GltfError;
-pub use export::{BakedPrimitive, ExportOptions, Exported, LightEncoding, to_glb};
+pub use export::{
+    BakedPrimitive, DisplacedPrimitive, ExportOptions, Exported, LightEncoding, to_displaced_glb,
+    to_glb,
+};
 pub use import::{GltfScene, load};
+pub use surfaces::{GltfSurfaces, MeshSurface, PrimitiveSurface, load_surfaces};
 pub use write::write_atomically;
 
 #[cfg(test)]

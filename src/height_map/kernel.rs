@@ -114,30 +114,59 @@ impl HeightMap {
     /// Height and slopes at texture coordinates `uv`.
     pub fn at(&self, uv: Vec2, kernel: Kernel) -> Relief {
         let [width, height] = self.size().map(f64::from);
-        // Coordinates of maps that repeat may be large: fractions in f64.
-        let place = |share: f32, n: f64| {
-            let texel = f64::from(share) * n - 0.5;
-            (texel.floor() as i64, (texel - texel.floor()) as f32)
-        };
         let ((x, s), (y, t)) = (place(uv.x, width), place(uv.y, height));
         self.between([x, y], [s, t], kernel)
+    }
+
+    /// Height alone at texture coordinates `uv`: that of [`at`](Self::at), for less work.
+    pub fn height(&self, uv: Vec2, kernel: Kernel) -> f32 {
+        let [width, height] = self.size().map(f64::from);
+        let ((x, s), (y, t)) = (place(uv.x, width), place(uv.y, height));
+        let columns = self.four(0, x);
+        let [across, down] = [s, t].map(|t| kernel.weights(t)[0]);
+        let rows = self.four(1, y).into_iter().zip(down);
+        rows.filter(|&(_, weight)| weight != 0.0)
+            .map(|(row, weight)| weight * dot(self.row(row, columns), across))
+            .sum()
     }
 
     /// Height and slopes at `[s, t]` (0..1) from the centre of texel `[x, y]` to that of the next.
     pub(super) fn between(&self, [x, y]: [i64; 2], [s, t]: [f32; 2], kernel: Kernel) -> Relief {
         let [across, across_slope] = kernel.weights(s);
         let [down, down_slope] = kernel.weights(t);
+        let columns = self.four(0, x);
         let mut relief = Relief::default();
-        for (j, row) in (-1..).zip(0..4) {
-            let texels = [-1, 0, 1, 2].map(|i| self.texel(x + i, y + j));
-            let sum =
-                |weights: [f32; 4]| -> f32 { texels.iter().zip(weights).map(|(h, w)| h * w).sum() };
-            relief.height += down[row] * sum(across);
-            relief.slopes.x += down[row] * sum(across_slope);
-            relief.slopes.y += down_slope[row] * sum(across);
+        for (i, row) in self.four(1, y).into_iter().enumerate() {
+            let texels = self.row(row, columns);
+            let height = dot(texels, across);
+            relief.height += down[i] * height;
+            relief.slopes.x += down[i] * dot(texels, across_slope);
+            relief.slopes.y += down_slope[i] * height;
         }
         let [width, height] = self.size();
         relief.slopes *= Vec2::new(width as f32, height as f32);
         relief
     }
+
+    /// Columns or rows −1, 0, 1, 2 from one on.
+    fn four(&self, axis: usize, i: i64) -> [usize; 4] {
+        [-1, 0, 1, 2].map(|step| self.inside(axis, i + step))
+    }
+
+    fn row(&self, row: usize, columns: [usize; 4]) -> [f32; 4] {
+        let start = row * self.size()[0] as usize;
+        columns.map(|column| self.heights()[start + column])
+    }
+}
+
+/// The texel whose centre lies before a texture coordinate, and how far the coordinate is on the way to the
+/// next.
+fn place(share: f32, n: f64) -> (i64, f32) {
+    // Coordinates of maps that repeat may be large: fractions in f64.
+    let texel = f64::from(share) * n - 0.5;
+    (texel.floor() as i64, (texel - texel.floor()) as f32)
+}
+
+fn dot(texels: [f32; 4], weights: [f32; 4]) -> f32 {
+    texels.iter().zip(weights).map(|(h, w)| h * w).sum()
 }

@@ -116,8 +116,11 @@ impl HeightMap {
     }
 
     /// Where a texel beyond the border is taken from.
-    fn inside(&self, axis: usize, i: i64) -> usize {
+    pub(super) fn inside(&self, axis: usize, i: i64) -> usize {
         let n = i64::from(self.size[axis]);
+        if (0..n).contains(&i) {
+            return i as usize;
+        }
         let inside = match self.wrap[axis] {
             Wrap::Repeat => i.rem_euclid(n),
             Wrap::Clamp => i.clamp(0, n - 1),

@@ -49,6 +49,7 @@
 //! | `slopes` | derivative maps and normal maps |
 //! | `pyramid` | smaller and smaller, with what slopes vary by |
 //! | `bounds` | how high and low blocks of it go, for rays |
+//! | `planes` | planes over blocks, and how far heights leave them |
 
 mod albedo;
 #[cfg(test)]
@@ -69,6 +70,7 @@ mod kernel_test;
 mod low_pass;
 mod map;
 mod photo;
+mod planes;
 mod prepare;
 #[cfg(test)]
 mod prepare_test;
@@ -84,6 +86,7 @@ pub use contrast::Stretch;
 pub use kernel::{Kernel, Relief};
 pub use map::{HeightMap, HeightMapError, Wrap};
 pub use photo::{Encoding, Photo};
+pub use planes::{Block, PlanePyramid};
 pub use prepare::{PrepareError, PrepareSettings, Prepared, prepare, prepare_data};
 pub use pyramid::{Level, Moments, Pyramid};
 pub use raster::{Precision, Raster, RasterError, Texels};

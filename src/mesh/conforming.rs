@@ -20,6 +20,8 @@ const MAX_FACES: usize = (u32::MAX / 3) as usize;
 pub struct Limits {
     /// Of all parts together, as [`Conforming::vertex_count`] counts them.
     pub max_vertices: usize,
+    /// Of all parts together, as [`Conforming::faces`] counts them.
+    pub max_faces: usize,
     /// No edge is cut into halves shorter than this.
     pub min_edge: f32,
 }
@@ -51,7 +53,7 @@ pub enum Bisected {
     /// It, or a neighbour that would have to be cut with it, may not be cut, or its longest edge
     /// is below the limit.
     Refused,
-    /// There would be too many vertices.
+    /// There would be too many vertices or faces.
     Full,
 }
 
@@ -201,6 +203,18 @@ impl Conforming {
         self.vertex_count
     }
 
+    /// Where the vertices of a refined part lie on it. A vertex keeps its place in the list; new ones come
+    /// behind.
+    pub fn points(&self, part: u32) -> &[SurfacePoint] {
+        self.sheets[part as usize].points()
+    }
+
+    /// Which node each vertex of a refined part is at. Nodes are numbered through all parts: those given by
+    /// [`PositionClasses`] of the used vertices, then those of cut edges.
+    pub fn nodes(&self, part: u32) -> &[u32] {
+        &self.sheets[part as usize].nodes
+    }
+
     /// How many vertices the parts before each have, all together.
     pub fn first_vertices(&self) -> Vec<usize> {
         let mut next = 0;
@@ -276,7 +290,7 @@ impl Conforming {
             }
             if let Some(longer) = longer {
                 path.push(longer);
-            } else if self.cut(side, MIDDLE, limits.max_vertices, told) {
+            } else if self.cut(side, MIDDLE, limits, told) {
                 path.pop();
             } else {
                 return Bisected::Full;
@@ -312,7 +326,7 @@ impl Conforming {
         if length < least || !self.edges.ring(side).all(may) {
             return Bisected::Refused;
         }
-        match self.cut(side, at, limits.max_vertices, told) {
+        match self.cut(side, at, limits, told) {
             true => Bisected::Done,
             false => Bisected::Full,
         }
@@ -323,14 +337,16 @@ impl Conforming {
         &mut self,
         side: u32,
         at: f32,
-        max_vertices: usize,
+        limits: &Limits,
         told: &mut dyn FnMut(Bisection),
     ) -> bool {
         let mut wings: Vec<Wing> = self.edges.ring(side).map(|side| self.wing(side)).collect();
         wings.sort_unstable();
         let same_vertex = |a: &Wing, b: &Wing| (a.part, a.ends) == (b.part, b.ends);
         let count = self.vertex_count + wings.chunk_by(same_vertex).count();
-        if count > max_vertices.min(u32::MAX as usize) || self.faces.len() + wings.len() > MAX_FACES
+        let faces = self.faces.len() + wings.len();
+        if count > limits.max_vertices.min(u32::MAX as usize)
+            || faces > limits.max_faces.min(MAX_FACES)
         {
             return false;
         }

@@ -9,6 +9,7 @@ use crate::mesh::test_meshes::{Mesh, cube, grid, random, soup, unshared};
 
 const FREE: Limits = Limits {
     max_vertices: usize::MAX,
+    max_faces: usize::MAX,
     min_edge: 0.0,
 };
 
@@ -514,6 +515,7 @@ proptest! {
         let mut trial = Trial::new(&parts, 2.0 * noise);
         let limits = Limits {
             max_vertices: room.map_or(usize::MAX, |room| trial.given_vertices() + room),
+            max_faces: usize::MAX,
             min_edge: 0.02,
         };
         trial.refine(requests, seed, &limits);

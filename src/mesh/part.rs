@@ -66,6 +66,11 @@ impl Sheet {
         }
     }
 
+    /// Where each vertex lies on the part.
+    pub(super) fn points(&self) -> &[SurfacePoint] {
+        &self.vertices
+    }
+
     /// Where a point of the part is.
     pub(super) fn position(&self, point: SurfacePoint) -> Vec3 {
         let source = self.triangles[point.triangle as usize];

@@ -56,7 +56,7 @@ pub struct RefinedMesh {
 impl RefinedMesh {
     /// The vertices that `triangles` use, in their order, and no triangle yet; and the new index
     /// of each of the `vertex_count` source vertices.
-    pub(super) fn with_used_vertices(
+    pub(crate) fn with_used_vertices(
         vertex_count: usize,
         triangles: &[[u32; 3]],
     ) -> (Self, Vec<Option<u32>>) {
@@ -80,7 +80,7 @@ impl RefinedMesh {
         (self.vertices.len() - 1) as u32
     }
 
-    pub(super) fn push_triangle(&mut self, source: u32, corners: [u32; 3]) {
+    pub(crate) fn push_triangle(&mut self, source: u32, corners: [u32; 3]) {
         self.triangles.push(corners);
         self.sources.push(source);
     }

@@ -2,6 +2,8 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::observer::{Observer, Stage};
+use crate::parallel::map_ordered;
+pub(crate) use crate::parallel::{map_chunks, threads};
 
 /// The observer asked to stop.
 #[derive(Debug)]
@@ -40,42 +42,4 @@ pub(crate) fn map_ranges<T: Send>(
     }
     observer.progress(stage, 1.0);
     Ok(results.into_iter().flatten().collect())
-}
-
-/// Runs `work` over `0..count` in ranges of `chunk`, without telling anybody: for what is quick.
-pub(crate) fn map_chunks<T: Send>(
-    count: usize,
-    chunk: usize,
-    work: impl Fn(Range<usize>) -> T + Send + Sync,
-) -> Vec<T> {
-    map_ordered(count.div_ceil(chunk), |i| {
-        work(i * chunk..((i + 1) * chunk).min(count))
-    })
-}
-
-/// How many ranges are worked on at a time.
-#[cfg(feature = "parallel")]
-pub(crate) fn threads() -> usize {
-    rayon::current_num_threads()
-}
-
-/// How many ranges are worked on at a time.
-#[cfg(not(feature = "parallel"))]
-pub(crate) fn threads() -> usize {
-    1
-}
-
-#[cfg(feature = "parallel")]
-fn map_ordered<T: Send>(count: usize, run: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
-    use rayon::prelude::*;
-    (0..count)
-        .into_par_iter()
-        .with_max_len(1)
-        .map(run)
-        .collect()
-}
-
-#[cfg(not(feature = "parallel"))]
-fn map_ordered<T: Send>(count: usize, run: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
-    (0..count).map(run).collect()
 }

@@ -130,7 +130,7 @@ enum GreenArg {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum KernelArg {
+pub(in crate::cli) enum KernelArg {
     /// What a graphics card's filter does
     Bilinear,
     /// Differences to one texel ahead
@@ -146,7 +146,7 @@ pub(super) enum KernelArg {
 }
 
 impl KernelArg {
-    pub(super) fn kernel(self) -> Kernel {
+    pub(in crate::cli) fn kernel(self) -> Kernel {
         match self {
             Self::Bilinear => Kernel::Bilinear,
             Self::Forward => Kernel::Forward,

@@ -12,5 +12,6 @@ mod read;
 mod summary;
 mod write;
 
-pub(super) use args::{EXAMPLES, HeightArgs};
+pub(super) use args::{EXAMPLES, HeightArgs, KernelArg};
 pub(super) use command::height_command;
+pub(super) use read::read;

@@ -10,8 +10,8 @@ use crate::height_map::{Encoding, Precision, Raster, Texels};
 
 /// An image file, decoded to the numbers that are in it.
 #[derive(Debug)]
-pub(super) struct ImageFile {
-    pub(super) raster: Raster,
+pub(in crate::cli) struct ImageFile {
+    pub(in crate::cli) raster: Raster,
     /// Share of texels that are not opaque: their colours may mean nothing.
     pub(super) transparent: f64,
 }
@@ -20,7 +20,7 @@ pub(super) struct ImageFile {
 pub(super) type Decoded = ([u32; 2], Texels, f64);
 
 /// Reads PNG, JPEG, OpenEXR or Radiance HDR, told apart by content.
-pub(super) fn read(path: &Path) -> Result<ImageFile, Failure> {
+pub(in crate::cli) fn read(path: &Path) -> Result<ImageFile, Failure> {
     let named =
         |reason: String| Failure::Error(format!("cannot read {}: {reason}", path.display()));
     let bytes = fs::read(path).map_err(|error| named(error.to_string()))?;

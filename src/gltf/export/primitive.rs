@@ -7,7 +7,7 @@ use super::{
     BakedPrimitive, Before,
     glb::{ARRAY_BUFFER, Glb, Numbers, object_mut},
     instances::Target,
-    refine,
+    refine::{self, Source},
     vertex_colors::Painter,
 };
 use crate::gltf::{
@@ -39,7 +39,14 @@ pub(super) fn write_primitive(
     let mut attributes = match &baked.light.mesh {
         // Accessors must not be empty.
         Some(mesh) if mesh.triangles.is_empty() => return Ok(()),
-        Some(mesh) => refine::refine(glb, target, count, baked, mesh)?,
+        Some(mesh) => {
+            let source = Source {
+                key: baked.key,
+                triangles: baked.triangles,
+                flipped: baked.flipped,
+            };
+            refine::refine(glb, target, count, &source, mesh)?
+        }
         None => Attributes::new(),
     };
     let light = &baked.light.light;
@@ -69,7 +76,7 @@ pub(super) fn write_primitive(
     Ok(())
 }
 
-fn remove(glb: &mut Glb, target: Target, names: &[&str]) {
+pub(super) fn remove(glb: &mut Glb, target: Target, names: &[&str]) {
     if let Some(attributes) = attributes_mut(glb, target) {
         for name in names {
             attributes.shift_remove(*name);
@@ -122,7 +129,7 @@ pub(super) fn push_attribute(glb: &mut Glb, name: &str, data: &AccessorData) -> 
     glb.push_accessor(data.kind, &numbers, ARRAY_BUFFER, name == "POSITION")
 }
 
-fn vertex_count(glb: &Glb, primitive: &Value) -> Result<usize, GltfError> {
+pub(super) fn vertex_count(glb: &Glb, primitive: &Value) -> Result<usize, GltfError> {
     let position = whole(&primitive["attributes"], "POSITION");
     let position = position.map_err(|reason| glb.invalid(reason))?;
     match position {
@@ -147,7 +154,7 @@ fn old_colors(
         .transpose()
 }
 
-fn attributes_mut(glb: &mut Glb, target: Target) -> Option<&mut Map<String, Value>> {
+pub(super) fn attributes_mut(glb: &mut Glb, target: Target) -> Option<&mut Map<String, Value>> {
     object_mut(target.of_mut(&mut glb.json), "attributes")
 }
 

@@ -4,7 +4,6 @@ use glam::Vec3;
 use serde_json::Value;
 
 use super::{
-    BakedPrimitive,
     glb::{ELEMENT_ARRAY_BUFFER, Glb, Numbers},
     instances::Target,
     interpolate::{Blend, Rule},
@@ -13,26 +12,35 @@ use super::{
 };
 use crate::{
     gltf::{
-        GltfError,
+        GltfError, PrimitiveKey,
         accessor_json::{AccessorData, ElementKind},
     },
     mesh::RefinedMesh,
 };
 
+/// What a refined mesh was made from.
+pub(super) struct Source<'a> {
+    pub(super) key: PrimitiveKey,
+    /// The primitive's triangles as imported.
+    pub(super) triangles: &'a [[u32; 3]],
+    /// Import turned them around.
+    pub(super) flipped: bool,
+}
+
 /// Writes the triangles and morph targets of `mesh`; returns its attributes, which the caller
-/// writes after adding light.
+/// writes after changing them.
 pub(super) fn refine(
     glb: &mut Glb,
     target: Target,
     count: usize,
-    baked: &BakedPrimitive<'_>,
+    source: &Source<'_>,
     mesh: &RefinedMesh,
 ) -> Result<Attributes, GltfError> {
-    let blend = check(glb, baked, mesh, count)?;
+    let blend = check(glb, source, mesh, count)?;
     let primitive = target.of(&glb.json).clone();
     let attributes = blend_vertices(glb, &primitive["attributes"], &blend)?;
     write_morph_targets(glb, target, &primitive["targets"], &blend)?;
-    let indices = write_indices(glb, baked, mesh);
+    let indices = write_indices(glb, source, mesh);
     let primitive = target.of_mut(&mut glb.json);
     primitive["indices"] = indices.into();
     // Strips and fans have become separate triangles, the default.
@@ -45,7 +53,7 @@ pub(super) fn refine(
             glb.notes.push(format!(
                 "{:?} was cut finer; what the extension {name} says of its vertices or triangles \
                  may no longer fit",
-                baked.key
+                source.key
             ));
         }
     }
@@ -112,12 +120,13 @@ fn write_morph_targets(
 }
 
 /// Appends the triangles, wound as the file's own.
-fn write_indices(glb: &mut Glb, baked: &BakedPrimitive<'_>, mesh: &RefinedMesh) -> usize {
-    let indices = mesh.triangles.iter().flat_map(
-        |&[a, b, c]| {
-            if baked.flipped { [a, c, b] } else { [a, b, c] }
-        },
-    );
+fn write_indices(glb: &mut Glb, source: &Source<'_>, mesh: &RefinedMesh) -> usize {
+    let indices =
+        mesh.triangles.iter().flat_map(
+            |&[a, b, c]| {
+                if source.flipped { [a, c, b] } else { [a, b, c] }
+            },
+        );
     // The largest index of each type means "new strip" to some graphics interfaces.
     let numbers = if mesh.vertices.len() <= usize::from(u16::MAX) {
         Numbers::U16(indices.map(|index| index as u16).collect())
@@ -130,11 +139,11 @@ fn write_indices(glb: &mut Glb, baked: &BakedPrimitive<'_>, mesh: &RefinedMesh) 
 /// Everything that is used as an index must be one.
 fn check(
     glb: &Glb,
-    baked: &BakedPrimitive<'_>,
+    source: &Source<'_>,
     mesh: &RefinedMesh,
     count: usize,
 ) -> Result<Blend, GltfError> {
-    let triangles = baked.triangles;
+    let triangles = source.triangles;
     let on_source = |triangle: u32| (triangle as usize) < triangles.len();
     let in_source = |corners: &[u32; 3]| corners.iter().all(|&v| (v as usize) < count);
     let in_mesh = |corners: &[u32; 3]| corners.iter().all(|&v| (v as usize) < mesh.vertices.len());
@@ -149,7 +158,7 @@ fn check(
     } else {
         Err(glb.refuse(format!(
             "the refined mesh of {:?} does not fit it",
-            baked.key
+            source.key
         )))
     }
 }

@@ -263,6 +263,7 @@ impl<'a> Work<'a> {
     fn run(&mut self, max_vertices: usize, until: Option<Instant>) -> Result<Outcome, Cancelled> {
         let limits = Limits {
             max_vertices: max_vertices.saturating_sub(self.others),
+            max_faces: usize::MAX,
             min_edge: MIN_EDGE,
         };
         let mut full = !self.cut_long_edges(&limits);

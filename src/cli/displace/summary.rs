@@ -1,0 +1,134 @@
+use std::path::Path;
+use std::time::Duration;
+
+use crate::cli::text::{bytes, counted, percent, seconds, short};
+use crate::displacement::{DisplacementReport, Stop};
+use crate::gltf::MeshSurface;
+
+/// What was done, and what to know about it.
+#[derive(Debug)]
+pub(super) struct Done {
+    /// Asked for, in metres.
+    tolerance: f32,
+    lines: Vec<String>,
+    pub(super) notes: Vec<String>,
+}
+
+impl Done {
+    pub(super) fn new(tolerance: f32, notes: Vec<String>) -> Self {
+        Self {
+            tolerance,
+            lines: Vec::new(),
+            notes,
+        }
+    }
+
+    pub(super) fn add(&mut self, mesh: &MeshSurface, report: &DisplacementReport, time: Duration) {
+        let before = mesh
+            .primitives
+            .iter()
+            .map(|p| p.triangles.len() as u64)
+            .sum();
+        let mut line = format!(
+            "{}: {} became {} with {}, in {}",
+            mesh.name,
+            counted(before, "triangle"),
+            counted(report.triangles, "triangle"),
+            counted(report.vertices, "vertex"),
+            seconds(time)
+        );
+        if let Some(error) = report.error {
+            let metres = f64::from(error) * mesh.scale;
+            line.push_str(&format!("; error at most {} mm", short(1e3 * metres)));
+        }
+        self.lines.push(line);
+        self.note_stop(mesh, report);
+        self.note_mended(mesh, report);
+    }
+
+    fn note_stop(&mut self, mesh: &MeshSurface, report: &DisplacementReport) {
+        let limit = match report.stop {
+            Stop::Reached => return,
+            Stop::Triangles => "--max-triangles",
+            Stop::Memory => "--max-memory",
+            Stop::Finest => {
+                self.notes.push(format!(
+                    "{}: faces are as small as they get, a sixteenth of a texel, and the error is above \
+                     the tolerance: raise --tolerance, or smooth the map",
+                    mesh.name
+                ));
+                return;
+            }
+        };
+        let name = &mesh.name;
+        self.notes.push(match report.density {
+            Some(density) => format!(
+                "{name}: there was room for {} of the density asked for: raise {limit}, or ask for less",
+                percent(density)
+            ),
+            None => format!(
+                "{name}: there was no room to reach {} mm: raise {limit} or --tolerance",
+                short(1e3 * f64::from(self.tolerance))
+            ),
+        });
+    }
+
+    fn note_mended(&mut self, mesh: &MeshSurface, report: &DisplacementReport) {
+        let mut note = |number: u64, noun: &str, what: &str| {
+            if number > 0 {
+                self.notes
+                    .push(format!("{}: {} {what}", mesh.name, counted(number, noun)));
+            }
+        };
+        note(
+            report.folded,
+            "vertex",
+            "at which the surface folds through itself: lower --scale, or --clamp-folds",
+        );
+        note(
+            report.clamped,
+            "vertex",
+            "kept below where the surface would fold",
+        );
+        note(
+            report.zero_area,
+            "triangle",
+            "without area, which only moved with the others",
+        );
+        note(
+            report.mended_normals,
+            "normal",
+            "without direction, made from the faces",
+        );
+        note(
+            report.undirected,
+            "place",
+            "whose normals cancel out, and which stayed: sheets back to back have no outside",
+        );
+        let gap = f64::from(report.seam_gap) * mesh.scale;
+        if gap > f64::from(self.tolerance) {
+            self.notes.push(format!(
+                "{}: the map does not fit at texture seams, heights differ by up to {} mm there and the \
+                 mean was taken",
+                mesh.name,
+                short(1e3 * gap)
+            ));
+        }
+    }
+}
+
+/// For the terminal.
+pub(super) fn summary(output: &Path, size: u64, done: &Done) -> String {
+    let mut text = String::new();
+    for line in &done.lines {
+        text.push_str(&format!("{line}\n"));
+    }
+    if !done.notes.is_empty() {
+        text.push_str("\nnotes\n");
+    }
+    for note in &done.notes {
+        text.push_str(&format!("  - {note}\n"));
+    }
+    text.push_str(&format!("\nwrote {} ({})\n", output.display(), bytes(size)));
+    text
+}
