@@ -98,7 +98,7 @@ const NOT_WORTH: f64 = 0.8;
 
 /// From one pass to the next, so many times the vertices at most, these counted at least.
 const MORE_VERTICES: usize = 8;
-const FEW_VERTICES: usize = 2048;
+const FEW_VERTICES: usize = 4096;
 
 /// A pass is of use if it leaves this share of the error of the one before, or less.
 const USEFUL: f64 = 0.85;
