@@ -1,0 +1,44 @@
+//! The way back from what is shown to what it was made from.
+
+use bevy::prelude::*;
+
+use super::DisplacedMesh;
+use crate::plugin::radiosity::BakedLighting;
+
+/// What an entity shows, less its light.
+pub(super) fn unlit<'a>(
+    shown: &'a Handle<Mesh>,
+    baked: Option<&'a BakedLighting>,
+) -> &'a Handle<Mesh> {
+    match baked {
+        Some(baked) if baked.lit == *shown => &baked.source,
+        _ => shown,
+    }
+}
+
+/// Whether what is shown is what this plugin has made, lit or not.
+pub(super) fn is_displaced(unlit: &Handle<Mesh>, displaced: Option<&DisplacedMesh>) -> bool {
+    displaced.is_some_and(|d| d.displaced == *unlit)
+}
+
+/// Where the chain begins.
+pub(super) fn source<'a>(
+    shown: &'a Handle<Mesh>,
+    displaced: Option<&'a DisplacedMesh>,
+    baked: Option<&'a BakedLighting>,
+    lit: impl Iterator<Item = &'a BakedLighting>,
+) -> &'a Handle<Mesh> {
+    let unlit = unlit(shown, baked);
+    let unlit = match displaced {
+        Some(made) if made.displaced != *unlit && made.source != *unlit => {
+            // A clone of a lit entity shows the lit copy of the other, and does not know what was lit.
+            let of_other = lit.into_iter().find(|baked| baked.lit == *unlit);
+            of_other.map_or(unlit, |baked| &baked.source)
+        }
+        _ => unlit,
+    };
+    match displaced {
+        Some(made) if made.displaced == *unlit => &made.source,
+        _ => unlit,
+    }
+}
