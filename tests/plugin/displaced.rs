@@ -6,6 +6,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::calculate_bounds;
 use bevy::mesh::UvChannel;
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_fresco::displacement::{DisplacementError, Spacing, Tessellation};
 use bevy_fresco::height_map::{HeightMap, Wrap};
@@ -332,6 +333,30 @@ fn what_stands_against_it_is_named_and_the_mesh_stays() {
         }
         assert_eq!(shown(&app, entity), source);
     }
+}
+
+/// Whoever waits for a mesh is told, and served when it comes; morph targets do not fit.
+#[test]
+fn meshes_that_come_later_are_raised_and_morphed_ones_are_not() {
+    let mut app = app();
+    let displacement = by_texels(app.world_mut(), 0.25);
+    let source = app.world().resource::<Assets<Mesh>>().reserve_handle();
+    let entity = app
+        .world_mut()
+        .spawn((Mesh3d(source.clone()), displacement))
+        .id();
+    settle(&mut app, entity);
+    assert_eq!(problem(&app, entity), DisplacementProblem::NoMesh);
+    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+    meshes.insert(source.id(), square()).unwrap();
+    settle(&mut app, entity);
+    assert_eq!(triangles(&app, &shown(&app, entity)), TRIANGLES);
+    let weights = MeshMorphWeights::Value {
+        weights: Vec::new(),
+    };
+    app.world_mut().entity_mut(entity).insert(weights);
+    settle(&mut app, entity);
+    assert_eq!(problem(&app, entity), DisplacementProblem::Morphed);
 }
 
 #[test]

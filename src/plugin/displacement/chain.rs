@@ -26,17 +26,8 @@ pub(super) fn source<'a>(
     shown: &'a Handle<Mesh>,
     displaced: Option<&'a DisplacedMesh>,
     baked: Option<&'a BakedLighting>,
-    lit: impl Iterator<Item = &'a BakedLighting>,
 ) -> &'a Handle<Mesh> {
     let unlit = unlit(shown, baked);
-    let unlit = match displaced {
-        Some(made) if made.displaced != *unlit && made.source != *unlit => {
-            // A clone of a lit entity shows the lit copy of the other, and does not know what was lit.
-            let of_other = lit.into_iter().find(|baked| baked.lit == *unlit);
-            of_other.map_or(unlit, |baked| &baked.source)
-        }
-        _ => unlit,
-    };
     match displaced {
         Some(made) if made.displaced == *unlit => &made.source,
         _ => unlit,

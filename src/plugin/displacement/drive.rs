@@ -42,9 +42,10 @@ pub(super) struct Link {
 /// Looks at everything displaced, and starts what is new.
 pub(super) fn watch(mut links: Query<Link>, lit: Query<&BakedLighting>, mut sources: Sources) {
     for mut link in &mut links {
+        link.drop_light_of_others(&lit);
         let order = match link.morphed {
             true => Err(DisplacementProblem::Morphed.into()),
-            false => sources.order(link.source(&lit), link.displacement),
+            false => sources.order(link.source(), link.displacement),
         };
         match order {
             Ok(order) if link.worker.is_at(&order, link.shows_displaced()) => {}
@@ -72,7 +73,6 @@ pub(super) fn watch(mut links: Query<Link>, lit: Query<&BakedLighting>, mut sour
 pub(super) fn apply(
     mut commands: Commands,
     mut links: Query<Link>,
-    lit: Query<&BakedLighting>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
     for mut link in &mut links {
@@ -84,7 +84,7 @@ pub(super) fn apply(
         };
         let order = job.order.clone();
         // Else it is for a mesh that the entity has no more, and other work will start.
-        if *link.source(&lit) != order.source {
+        if *link.source() != order.source {
             link.worker.rest();
             continue;
         }
@@ -132,8 +132,21 @@ impl Worker {
 }
 
 impl LinkItem<'_, '_> {
-    fn source<'a>(&'a self, lit: &'a Query<&BakedLighting>) -> &'a Handle<Mesh> {
-        chain::source(&self.shown.0, self.displaced, self.baked, lit.iter())
+    fn source(&self) -> &Handle<Mesh> {
+        chain::source(&self.shown.0, self.displaced, self.baked)
+    }
+
+    /// A clone of a lit entity knows what it was raised from, and not what was lit: it would be raised twice.
+    fn drop_light_of_others(&mut self, lit: &Query<&BakedLighting>) {
+        let Some(made) = self.displaced else {
+            return;
+        };
+        if !self.shows_displaced() {
+            let is_it = |b: &BakedLighting| b.lit == self.shown.0 && b.source == made.displaced;
+            if lit.iter().any(is_it) {
+                self.shown.0 = made.displaced.clone();
+            }
+        }
     }
 
     fn shows_displaced(&self) -> bool {

@@ -89,9 +89,9 @@ impl Sources<'_> {
                 DisplacementProblem::MeshNotLoaded,
             ));
         };
-        let version = (self.versions.0.entry(source.id()))
-            .or_insert_with(|| mesh_data::check(mesh).map(|()| mesh_version(mesh)))
-            .clone()?;
+        let known = self.versions.0.entry(source.id());
+        let looked_at = || mesh_data::check(mesh).map(|()| mesh_version(mesh));
+        let version = (*known.or_insert_with(looked_at))?;
         let map = map.shared_map().clone();
         let mut state = FixedHasher.build_hasher();
         (source.id(), version, Arc::as_ptr(&map)).hash(&mut state);
