@@ -57,6 +57,9 @@
 //! The light is baked in the background and again when a lamp, a wall or a block changes, each time
 //! from the stage that the change calls for. `docs/bevy.md` is the manual.
 //!
+//! `Displacement` on an entity raises its mesh by a height map, in the background too; baked light then falls on
+//! what it became. `docs/displacement.md` tells more.
+//!
 //! # Modules and features
 //!
 //! | module | what it does | feature |

@@ -3,6 +3,10 @@
 
 #[path = "plugin/changes.rs"]
 mod changes;
+#[path = "plugin/displaced.rs"]
+mod displaced;
+#[path = "plugin/displaced_light.rs"]
+mod displaced_light;
 #[path = "plugin/life.rs"]
 mod life;
 #[path = "plugin/world.rs"]

@@ -1,4 +1,4 @@
-//! What the examples share: `--screenshot FILE` draws without a window, waits for the light and saves a
+//! What the examples share: `--screenshot FILE` draws without a window, waits for relief and light and saves a
 //! picture. Keys that change relief.
 #![allow(dead_code, reason = "no example uses all of it")]
 
@@ -15,9 +15,10 @@ use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use bevy_fresco::plugin::FrescoMaterial;
 use bevy_fresco::plugin::bump::{BumpHeight, Parallax};
+use bevy_fresco::plugin::displacement::DisplacementStatus;
 use bevy_fresco::plugin::radiosity::{RadiosityStatus, StaticLighting};
 
-/// Frames between the light being there and the picture: pipelines and shadow maps settle.
+/// Frames between relief and light being there and the picture: pipelines and shadow maps settle.
 const SETTLE: u32 = 30;
 
 /// `DefaultPlugins`, with a window of that title or, for a screenshot, without one.
@@ -101,8 +102,11 @@ fn shoot(
     mut shot: ResMut<Shot>,
     status: Res<RadiosityStatus>,
     baked: Query<(), With<StaticLighting>>,
+    displaced: Query<&DisplacementStatus>,
 ) {
-    if !baked.is_empty() && !status.is_up_to_date() {
+    let is_raised = |d: &DisplacementStatus| !d.is_pending() && *d != DisplacementStatus::Idle;
+    let is_lit = baked.is_empty() || status.is_up_to_date();
+    if !is_lit || !displaced.iter().all(is_raised) {
         shot.settled = 0;
         return;
     }

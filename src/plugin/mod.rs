@@ -5,6 +5,7 @@
 mod attribute;
 mod bind_group;
 pub mod bump;
+pub mod displacement;
 mod material;
 pub mod radiosity;
 mod shaders;
@@ -12,6 +13,7 @@ mod shaders;
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
 pub use attribute::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT};
+pub use displacement::DisplacementPlugin;
 pub use material::{FrescoExtension, FrescoMaterial, FrescoMaterialPlugin};
 pub use radiosity::RadiosityPlugin;
 
@@ -20,6 +22,7 @@ pub use radiosity::RadiosityPlugin;
 /// | plugin | what it gives |
 /// |---|---|
 /// | [`FrescoMaterialPlugin`] | the material that shows relief and baked light |
+/// | [`DisplacementPlugin`] | meshes raised by height maps |
 /// | [`RadiosityPlugin`] | light baked in the running world |
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrescoPlugins;
@@ -28,6 +31,7 @@ impl PluginGroup for FrescoPlugins {
     fn build(self) -> PluginGroupBuilder {
         PluginGroupBuilder::start::<Self>()
             .add(FrescoMaterialPlugin)
+            .add(DisplacementPlugin)
             .add(RadiosityPlugin::default())
     }
 }

@@ -80,6 +80,11 @@ impl HeightImage {
         &self.map
     }
 
+    /// The map itself: images that are clones of each other share it, and it never changes.
+    pub(in crate::plugin) fn shared_map(&self) -> &Arc<HeightMap> {
+        &self.map
+    }
+
     /// The map at every size.
     pub fn pyramid(&self) -> &Pyramid {
         &self.pyramid

@@ -119,6 +119,19 @@ pub(super) fn show_edits(
     }
 }
 
+/// A mesh of the same content as the one that was lit gets its light: nothing that light depends on has changed,
+/// so that no bake would bring it.
+pub(super) fn keep_light(
+    copies: Res<Copies>,
+    mut entities: Query<(&mut Mesh3d, &mut BakedLighting)>,
+) {
+    for (mut shown, mut baked) in &mut entities {
+        if shown.0 != baked.lit && copies.mesh_version(shown.id()) == Some(baked.source_version) {
+            baked.source = std::mem::replace(&mut shown.0, baked.lit.clone());
+        }
+    }
+}
+
 /// Somebody else wrote to the lit copy: what it is now, less the light, is the source.
 fn adopt(meshes: &mut Assets<Mesh>, baked: &mut BakedLighting) {
     let Some(edited) = meshes.get(&baked.lit) else {

@@ -219,7 +219,7 @@ fn look(mesh: &Result<Copy<Mesh>, MeshProblem>) -> Look<Mesh> {
 }
 
 /// A hash of all that light depends on: everything but the light itself.
-pub(super) fn mesh_version(mesh: &Mesh) -> u64 {
+pub(in crate::plugin) fn mesh_version(mesh: &Mesh) -> u64 {
     let mut state = FixedHasher.build_hasher();
     mesh.primitive_topology().hash(&mut state);
     for (attribute, values) in mesh.try_attributes().into_iter().flatten() {

@@ -17,20 +17,23 @@ pub(in crate::plugin) struct MeshData {
     pub(in crate::plugin) triangles: Vec<[u32; 3]>,
 }
 
-/// Why a mesh cannot be baked, as the end of a sentence that starts with its name.
+/// Why a mesh cannot be baked or displaced, as the end of a sentence that starts with the entity's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub(in crate::plugin) enum MeshProblem {
+pub enum MeshProblem {
+    /// Its vertices are the renderer's alone.
     #[error(
         "its mesh is not in the main world: add `RenderAssetUsages::MAIN_WORLD` to the mesh's `asset_usage`"
     )]
     NotInMainWorld,
+    /// It has no positions, or positions in another format.
     #[error("its mesh has no positions in three floating-point numbers a vertex")]
     NoPositions,
+    /// It is no mesh of triangles.
     #[error("its mesh is drawn as points or lines, which have no surface")]
     NoSurface,
 }
 
-/// Whether a mesh can be baked.
+/// Whether a mesh can be baked or displaced.
 pub(in crate::plugin) fn check(mesh: &Mesh) -> Result<(), MeshProblem> {
     // What is only meant for the renderer may be gone in the next frame.
     let stays = mesh.asset_usage.contains(RenderAssetUsages::MAIN_WORLD);
@@ -95,6 +98,13 @@ fn triangles(mesh: &Mesh, vertices: usize) -> Result<Vec<[u32; 3]>, MeshProblem>
             .collect()),
         _ => Err(MeshProblem::NoSurface),
     }
+}
+
+/// Values of an attribute as the shader would read them, missing lanes as 0, 0, 0, 1; `None` if the mesh has none
+/// or they are integers.
+pub(in crate::plugin) fn vectors(mesh: &Mesh, attribute: MeshVertexAttribute) -> Option<Vec<Vec4>> {
+    let values = mesh.try_attribute_option(attribute).ok().flatten()?;
+    floats(values).map(|floats| floats.values)
 }
 
 /// Values of an attribute as the shader would read them, missing lanes as 0, 0, 0, 1.
@@ -195,10 +205,20 @@ pub(super) fn lit_mesh(
 }
 
 /// Every attribute carried over to the refined mesh: floats interpolated, integers of the nearest corner.
-fn refined(source: &Mesh, triangles: &[[u32; 3]], refinement: &RefinedMesh) -> Mesh {
+pub(in crate::plugin) fn refined(
+    source: &Mesh,
+    triangles: &[[u32; 3]],
+    refinement: &RefinedMesh,
+) -> Mesh {
     let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, source.asset_usage);
     mesh.enable_raytracing = source.enable_raytracing;
+    let positions = source.try_attribute(Mesh::ATTRIBUTE_POSITION);
+    let count = positions.map_or(0, VertexAttributeValues::len);
     for (attribute, values) in source.try_attributes().into_iter().flatten() {
+        // An attribute of another length is not of these vertices.
+        if values.len() != count {
+            continue;
+        }
         let values = interpolated(values, triangles, refinement);
         let attribute = MeshVertexAttribute {
             format: (&values).into(),

@@ -23,7 +23,7 @@
 //! | `diagnostics` | times and counts |
 
 mod apply;
-mod assets;
+pub(in crate::plugin) mod assets;
 mod components;
 mod diagnostics;
 mod drive;

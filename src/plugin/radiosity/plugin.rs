@@ -94,6 +94,7 @@ impl Plugin for RadiosityPlugin {
                 drive::switch_lights,
                 apply::show_edits,
                 Copies::follow,
+                apply::keep_light,
                 drive::watch,
                 diagnostics::stop_clock,
                 diagnostics::read_clock,

@@ -13,6 +13,7 @@ use super::key::key;
 use super::lights::{FoundLight, Lights};
 use super::settings::RadiositySettings;
 use crate::plugin::FrescoMaterial;
+use crate::plugin::displacement::DisplacementStatus;
 
 /// All that the bake reads of the world.
 #[derive(SystemParam)]
@@ -38,6 +39,7 @@ type ObjectQuery = (
     Option<&'static BakedLighting>,
     Option<&'static NotBaked>,
     (Has<SkinnedMesh>, Has<MeshMorphWeights>, Has<Lightmap>),
+    Option<&'static DisplacementStatus>,
 );
 
 /// What tells whether an entity is shown.
@@ -146,7 +148,7 @@ impl StaticWorld<'_, '_> {
 
     fn object(
         &self,
-        (entity, effect, mesh, transform, shown, material, baked, _, unfit): <ObjectQuery as bevy::ecs::query::QueryData>::Item<'_, '_>,
+        (entity, effect, mesh, transform, shown, material, baked, _, unfit, displacement): <ObjectQuery as bevy::ecs::query::QueryData>::Item<'_, '_>,
         sources: &mut Sources,
         budget: &mut Budget,
     ) -> Found {
@@ -160,6 +162,10 @@ impl StaticWorld<'_, '_> {
                  `NoStaticLighting`"
                     .into(),
             );
+        }
+        // Light on a mesh that is about to become another would be baked for nothing.
+        if displacement.is_some_and(DisplacementStatus::is_pending) {
+            return Found::Soon;
         }
         let material_id = match material {
             (Some(original), Some(fresco), _) if original.moved_to == fresco.id() => {
