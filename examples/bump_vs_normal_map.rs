@@ -9,13 +9,11 @@ mod common;
 
 use std::f32::consts::TAU;
 
-use bevy::asset::RenderAssetUsages;
 use bevy::camera::ScalingMode;
 use bevy::core_pipeline::tonemapping::Tonemapping;
-use bevy::image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy::render::render_resource::TextureFormat;
 use bevy_fresco::height_map::{
     Green, HeightMap, Kernel, NormalMapSettings, Wrap, encode_normal, normal_map,
 };
@@ -90,8 +88,8 @@ fn setup(
         },
     });
     let mapped = bevys.add(StandardMaterial {
-        normal_map_texture: Some(images.add(picture(
-            TEXELS,
+        normal_map_texture: Some(images.add(common::picture(
+            [TEXELS; 2],
             texels.iter().map(|&[r, g, b]| [r, g, b, 255]),
             TextureFormat::Rgba8Unorm,
         ))),
@@ -114,8 +112,8 @@ fn setup(
         });
         let shown = bevys.add(StandardMaterial {
             unlit: true,
-            base_color_texture: Some(images.add(picture(
-                PIXELS,
+            base_color_texture: Some(images.add(common::picture(
+                [PIXELS; 2],
                 colors,
                 TextureFormat::Rgba8UnormSrgb,
             ))),
@@ -198,26 +196,6 @@ fn filtered(texels: &[[u8; 3]], uv: Vec2) -> Vec3 {
 fn degrees(a: Vec3, b: Vec3) -> f32 {
     let [a, b] = [a, b].map(DVec3::from);
     a.cross(b).length().atan2(a.dot(b)).to_degrees() as f32
-}
-
-fn picture(n: u32, texels: impl Iterator<Item = [u8; 4]>, format: TextureFormat) -> Image {
-    let mut image = Image::new(
-        Extent3d {
-            width: n,
-            height: n,
-            depth_or_array_layers: 1,
-        },
-        TextureDimension::D2,
-        texels.flatten().collect(),
-        format,
-        RenderAssetUsages::RENDER_WORLD,
-    );
-    image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
-        address_mode_u: ImageAddressMode::Repeat,
-        address_mode_v: ImageAddressMode::Repeat,
-        ..ImageSamplerDescriptor::linear()
-    });
-    image
 }
 
 fn swing(

@@ -8,11 +8,9 @@ mod common;
 
 use std::f32::consts::TAU;
 
-use bevy::asset::RenderAssetUsages;
-use bevy::image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::math::Affine2;
 use bevy::prelude::*;
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy::render::render_resource::TextureFormat;
 use bevy_fresco::displacement::Tessellation;
 use bevy_fresco::height_map::HeightMap;
 use bevy_fresco::plugin::bump::{Bump, BumpHeight, HeightImage, Parallax};
@@ -124,24 +122,7 @@ fn painted(map: &HeightMap) -> Image {
         let [r, g, b] = color.to_array().map(|c| (c * 255.0).round() as u8);
         [r, g, b, 255]
     });
-    let [width, height] = map.size();
-    let mut image = Image::new(
-        Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
-        TextureDimension::D2,
-        texels.flatten().collect(),
-        TextureFormat::Rgba8UnormSrgb,
-        RenderAssetUsages::RENDER_WORLD,
-    );
-    image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
-        address_mode_u: ImageAddressMode::Repeat,
-        address_mode_v: ImageAddressMode::Repeat,
-        ..ImageSamplerDescriptor::linear()
-    });
-    image
+    common::picture(map.size(), texels, TextureFormat::Rgba8UnormSrgb)
 }
 
 /// What the bumps do, for the displaced mesh.
@@ -150,8 +131,7 @@ fn change_scale(
     time: Res<Time>,
     mut displaced: Query<&mut Displacement>,
 ) {
-    let held = |key| f32::from(u8::from(keys.pressed(key)));
-    let direction = held(KeyCode::ArrowUp) - held(KeyCode::ArrowDown);
+    let direction = common::up_or_down(&keys);
     if direction != 0.0 {
         for mut displacement in &mut displaced {
             displacement.settings.scale += direction * HEIGHT * time.delta_secs();

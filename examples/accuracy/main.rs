@@ -49,6 +49,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use charts::Named;
 use plan::Plan;
 use reference::Reference;
 use results::Results;
@@ -62,13 +63,7 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    let write = match &plan {
-        plan if plan.only_wants("refinement") => write_refinement,
-        plan if plan.only_wants("kernels") => write_kernels,
-        plan if plan.only_wants("displacement") => write_displacement,
-        _ => write,
-    };
-    match measure(&plan).and_then(|results| write(&results, &plan.out)) {
+    match measure(&plan).and_then(|results| write(&plan, &results)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(why) => {
             eprintln!("{why}");
@@ -125,64 +120,68 @@ fn measure(plan: &Plan) -> Result<Results, Box<dyn Error>> {
     Ok(results)
 }
 
-/// Charts and table of this study alone, the other files and the report left as they are.
-fn write_refinement(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all(folder)?;
-    std::fs::write(
-        folder.join("refinement.csv"),
-        refinement::csv(&results.used),
-    )?;
-    for (name, chart) in refinement_charts::charts(&results.used) {
-        std::fs::write(folder.join(name), chart.draw())?;
-    }
-    eprintln!("written to {}", folder.display());
-    Ok(())
+/// Charts and table of a study alone, the other files and the report left as they are.
+struct Part {
+    table: &'static str,
+    csv: String,
+    charts: Vec<Named>,
 }
 
-/// The same of this study.
-fn write_kernels(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all(folder)?;
-    std::fs::write(folder.join("kernels.csv"), kernels::csv(&results.kernels))?;
-    for (name, chart) in kernels::charts(&results.kernels) {
-        std::fs::write(folder.join(name), chart.draw())?;
+impl Part {
+    fn of_refinement(results: &Results) -> Self {
+        Self {
+            table: "refinement.csv",
+            csv: refinement::csv(&results.used),
+            charts: refinement_charts::charts(&results.used),
+        }
     }
-    eprintln!("written to {}", folder.display());
-    Ok(())
+
+    fn of_kernels(results: &Results) -> Self {
+        Self {
+            table: "kernels.csv",
+            csv: kernels::csv(&results.kernels),
+            charts: kernels::charts(&results.kernels),
+        }
+    }
+
+    fn of_displacement(results: &Results) -> Self {
+        Self {
+            table: "displacement.csv",
+            csv: displacement::csv(&results.raised),
+            charts: displacement::charts(&results.raised),
+        }
+    }
+
+    fn write(self, folder: &Path) -> Result<(), Box<dyn Error>> {
+        std::fs::write(folder.join(self.table), self.csv)?;
+        for (name, chart) in self.charts {
+            std::fs::write(folder.join(name), chart.draw())?;
+        }
+        Ok(())
+    }
 }
 
-/// The same of displacement.
-fn write_displacement(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
+/// What was measured into a folder: of one study alone, or all with the report beside it.
+fn write(plan: &Plan, results: &Results) -> Result<(), Box<dyn Error>> {
+    let folder = &plan.out;
     std::fs::create_dir_all(folder)?;
-    std::fs::write(
-        folder.join("displacement.csv"),
-        displacement::csv(&results.raised),
-    )?;
-    for (name, chart) in displacement::charts(&results.raised) {
-        std::fs::write(folder.join(name), chart.draw())?;
+    let parts: [(&str, fn(&Results) -> Part); 3] = [
+        ("refinement", Part::of_refinement),
+        ("kernels", Part::of_kernels),
+        ("displacement", Part::of_displacement),
+    ];
+    if let Some((_, part)) = parts.iter().find(|(name, _)| plan.only_wants(name)) {
+        part(results).write(folder)?;
+        eprintln!("written to {}", folder.display());
+        return Ok(());
     }
-    eprintln!("written to {}", folder.display());
-    Ok(())
-}
-
-/// Charts and tables into a folder, the report beside it.
-fn write(results: &Results, folder: &Path) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all(folder)?;
+    for (_, part) in parts {
+        part(results).write(folder)?;
+    }
     std::fs::write(folder.join("accuracy.csv"), csv::accuracy(results))?;
     std::fs::write(folder.join("solvers.csv"), csv::solvers(&results.solved))?;
     std::fs::write(folder.join("elements.csv"), csv::elements(&results.refined))?;
-    std::fs::write(
-        folder.join("refinement.csv"),
-        refinement::csv(&results.used),
-    )?;
-    std::fs::write(folder.join("kernels.csv"), kernels::csv(&results.kernels))?;
-    write_displacement(results, folder)?;
-    let used = refinement_charts::charts(&results.used);
-    let of_kernels = kernels::charts(&results.kernels);
-    for (name, chart) in charts::all(results)
-        .into_iter()
-        .chain(used)
-        .chain(of_kernels)
-    {
+    for (name, chart) in charts::all(results) {
         std::fs::write(folder.join(name), chart.draw())?;
     }
     let name = folder

@@ -7,9 +7,10 @@ use std::path::PathBuf;
 use bevy::app::PluginGroupBuilder;
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::RenderTarget;
+use bevy::image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
-use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
@@ -123,13 +124,43 @@ fn shoot(
     }
 }
 
+/// A picture that repeats, made of rows of texels.
+pub(crate) fn picture(
+    [width, height]: [u32; 2],
+    texels: impl Iterator<Item = [u8; 4]>,
+    format: TextureFormat,
+) -> Image {
+    let mut image = Image::new(
+        Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
+        TextureDimension::D2,
+        texels.flatten().collect(),
+        format,
+        RenderAssetUsages::RENDER_WORLD,
+    );
+    image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
+        address_mode_u: ImageAddressMode::Repeat,
+        address_mode_v: ImageAddressMode::Repeat,
+        ..ImageSamplerDescriptor::linear()
+    });
+    image
+}
+
+/// 1 while up is held, −1 while down is.
+pub(crate) fn up_or_down(keys: &ButtonInput<KeyCode>) -> f32 {
+    let held = |key| f32::from(u8::from(keys.pressed(key)));
+    held(KeyCode::ArrowUp) - held(KeyCode::ArrowDown)
+}
+
 /// Up and down make the relief of all materials higher and lower: by all of `height` in a second.
 pub(crate) fn change_height(
     height: f32,
 ) -> impl FnMut(Res<ButtonInput<KeyCode>>, Res<Time>, ResMut<Assets<FrescoMaterial>>) {
     move |keys, time, mut materials| {
-        let held = |key| f32::from(u8::from(keys.pressed(key)));
-        let direction = held(KeyCode::ArrowUp) - held(KeyCode::ArrowDown);
+        let direction = up_or_down(&keys);
         if direction == 0.0 {
             return;
         }

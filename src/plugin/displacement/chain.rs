@@ -28,8 +28,6 @@ pub(super) fn source<'a>(
     baked: Option<&'a BakedLighting>,
 ) -> &'a Handle<Mesh> {
     let unlit = unlit(shown, baked);
-    match displaced {
-        Some(made) if made.displaced == *unlit => &made.source,
-        _ => unlit,
-    }
+    let displaced = displaced.filter(|_| is_displaced(unlit, displaced));
+    displaced.map_or(unlit, |displaced| &displaced.source)
 }

@@ -73,8 +73,8 @@ const SAMPLES: ByKind<f64> = ByKind {
 };
 
 /// What vertices leave that are fitted to all faces around them, beside what refinement goes by: the mean
-/// at each vertex of what fits these faces one by one. Between 0.8 and 1.1 on rooms and courts; with less, more
-/// first passes would have to be done again.
+/// at each vertex of what fits these faces one by one. About 0.8 for sharp light in courts and 1 for smooth light in
+/// rooms, where it can be told; with less, more first passes would have to be done again.
 const FIT: ByKind<f64> = ByKind {
     smooth: 1.0,
     sharp: 1.0,

@@ -92,6 +92,17 @@ struct Outcome {
     full: bool,
 }
 
+impl Outcome {
+    /// What an earlier refinement made for smooth light.
+    fn kept(earlier: &Refinement) -> Self {
+        Self {
+            by: earlier.coarse.clone(),
+            error: earlier.error.smooth,
+            full: false,
+        }
+    }
+}
+
 /// Share of the vertices that the coarse meshes may have at first.
 const COARSE: f64 = 0.4;
 
@@ -105,8 +116,8 @@ const MIN_EDGE: f32 = HALF_EXTENT / 16384.0;
 const BULK: f64 = 0.6;
 
 /// Errors below 0 are chance, which adds as much elsewhere: without them meshes would be refined for noise.
-/// But noise hides detail as well, so that they count in part. All of them, and the Cornell box is left half
-/// as coarse again as it was asked; none, and around a lamp below a ceiling there is no end.
+/// But noise hides detail as well, so that they count in part. If they all did, meshes of the Cornell box would
+/// leave about twice what is asked of them; if none, there would be no end around a lamp below a ceiling.
 const BY_CHANCE: f64 = 0.5;
 
 /// Rounds at most. A round halves faces, so this many cut any face down to nothing.
@@ -164,32 +175,32 @@ impl Refiner<'_> {
     ) -> Result<Refinement, Cancelled> {
         let mut coarse_at_most = (COARSE * asked.max_vertices as f64) as usize;
         let earlier = earlier.filter(|e| e.error.smooth <= asked.error.smooth);
-        let mut work = Work::new(self, given, Kind::Smooth, asked.error.smooth);
         let mut rays = 0;
-        let (smooth, sharp) = loop {
-            let smooth = match earlier {
-                Some(earlier) => Outcome {
-                    by: earlier.coarse.clone(),
-                    error: earlier.error.smooth,
-                    full: false,
-                },
-                None => work.run(coarse_at_most, self.half_way())?,
-            };
+        let (mut work, mut smooth) = match earlier {
+            Some(earlier) => (None, Outcome::kept(earlier)),
+            None => {
+                let mut work = Work::new(self, given, Kind::Smooth, asked.error.smooth);
+                let smooth = work.run(coarse_at_most, self.half_way())?;
+                (Some(work), smooth)
+            }
+        };
+        let sharp = loop {
             let coarse = given.refined(scene, &smooth.by);
             let mut finer = Work::new(self, &coarse, Kind::Sharp, asked.error.sharp);
             let sharp = finer.run(asked.max_vertices, self.until)?;
             rays += finer.rays;
             let used = coarse.refined(scene, &sharp.by).vertex_count();
             let room = asked.max_vertices.saturating_sub(used);
-            if !smooth.full
-                || sharp.full
-                || is_over(self.until)
-                || room * WORTH_FILLING < asked.max_vertices
-            {
-                break (smooth, sharp);
-            }
+            let worth = room * WORTH_FILLING >= asked.max_vertices && !is_over(self.until);
+            let Some(work) = work
+                .as_mut()
+                .filter(|_| smooth.full && !sharp.full && worth)
+            else {
+                break sharp;
+            };
             // Shadows leave room that was kept for them.
             coarse_at_most += room;
+            smooth = work.run(coarse_at_most, self.half_way())?;
         };
         Ok(Refinement {
             error: ByKind {
@@ -199,7 +210,7 @@ impl Refiner<'_> {
             full: (smooth.full || sharp.full).then_some(asked.max_vertices),
             coarse: smooth.by,
             fine: sharp.by,
-            rays: work.rays + rays,
+            rays: rays + work.map_or(0, |work| work.rays),
         })
     }
 

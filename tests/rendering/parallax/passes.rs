@@ -44,6 +44,22 @@ fn normals(camera: Camera, see_prepass: bool, has_gradients: bool) -> Picture {
     })
 }
 
+/// Normals of the forward pass, with such a parallax or without.
+fn normals_with(parallax: Option<Parallax>) -> Picture {
+    on_stage(move |stage| {
+        stage.show_normals(true);
+        stage.shoot(
+            |camera| View::front(0.5).set(camera),
+            |world| {
+                let wall = wall();
+                let mut bump = wall.bump(world);
+                bump.parallax = parallax;
+                show(world, wall.mesh(), wall.base, Some(bump), wall.at);
+            },
+        )
+    })
+}
+
 /// Normals of all passes are those of the forward one: of the relief that is seen, not of that under the mesh.
 #[test]
 fn all_passes_see_the_same_relief() {
@@ -86,18 +102,7 @@ fn all_passes_see_the_same_relief() {
     ];
     let forward = normals(|_| (), false, false);
     let mut shifted = 0;
-    let flat = on_stage(|stage| {
-        stage.show_normals(true);
-        stage.shoot(
-            |eye| View::front(0.5).set(eye),
-            |world| {
-                let wall = wall();
-                let mut bump = wall.bump(world);
-                bump.parallax = None;
-                show(world, wall.mesh(), wall.base, Some(bump), wall.at);
-            },
-        )
-    });
+    let flat = normals_with(None);
     for pixel in 0..forward.pixels.len() {
         let apart = degrees(normal(&forward, pixel), normal(&flat, pixel));
         shifted += usize::from(apart > 2.0);
@@ -193,24 +198,10 @@ fn the_other_texture_coordinates_can_be_chosen() {
 /// Far away relief is flat where it is told to be: as without parallax.
 #[test]
 fn relief_fades() {
-    let shoot = |parallax: Option<Parallax>| {
-        on_stage(move |stage| {
-            stage.show_normals(true);
-            stage.shoot(
-                |camera| View::front(0.5).set(camera),
-                |world| {
-                    let wall = wall();
-                    let mut bump = wall.bump(world);
-                    bump.parallax = parallax;
-                    show(world, wall.mesh(), wall.base, Some(bump), wall.at);
-                },
-            )
-        })
-    };
     let fading = |fade| Some(Parallax { fade, ..default() });
-    let flat = shoot(None);
+    let flat = normals_with(None);
     // The camera is 3 m away.
-    let [near, half, far] = [10.0..20.0, 2.0..4.0, 1.0..2.0].map(|fade| shoot(fading(fade)));
+    let [near, half, far] = [10.0..20.0, 2.0..4.0, 1.0..2.0].map(|fade| normals_with(fading(fade)));
     let [near, half, far] = [near, half, far].map(|picture| picture.distance(&flat));
     println!("apart from flat: {near:.4} before it fades, {half:.4} half-way, {far:.6} behind");
     assert!(near > 1.5 * half && half > 0.01 && far < 1e-6);
