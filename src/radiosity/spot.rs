@@ -76,16 +76,16 @@ impl Elements {
     /// of a whole one, have the same light everywhere.
     pub(crate) fn spread(&self, light: &[Vec3A]) -> Vec<Vec3A> {
         let mut spots = Vec::with_capacity(light.len() * SPOTS as usize);
-        for (e, &x) in light.iter().enumerate() {
-            let offsets = self.slopes(e, light);
-            spots.extend(offsets.map(|off| x + off));
+        for e in 0..light.len() {
+            spots.extend(self.sloped(e, light));
         }
         spots
     }
 
-    /// What the spots of an element have more than its mean.
-    fn slopes(&self, e: usize, light: &[Vec3A]) -> [Vec3A; SPOTS as usize] {
-        let none = [Vec3A::ZERO; SPOTS as usize];
+    /// Light at the spots of an element.
+    fn sloped(&self, e: usize, light: &[Vec3A]) -> [Vec3A; SPOTS as usize] {
+        let x = light[e];
+        let none = [x; SPOTS as usize];
         let [piece] = self.pieces_of(e) else {
             return none;
         };
@@ -98,7 +98,6 @@ impl Elements {
             Vec2::new(b.y, b.z)
         };
         let middle = place(&part, MIDDLE);
-        let x = light[e];
         let (mut low, mut high) = (x, x);
         // Normal equations of the fit.
         let (mut xx, mut xy, mut yy) = (0.0_f32, 0.0_f32, 0.0_f32);
@@ -139,7 +138,8 @@ impl Elements {
             let off = place(&part, in_cell(MIDDLE, spot as u32, ALONG)) - middle;
             by_x * off.x + by_y * off.y
         });
-        limited(offsets, low - x, high - x)
+        // Roundings must not make dark places darker than that: below 0 there is no light.
+        limited(offsets, low - x, high - x).map(|off| (x + off).clamp(low, high))
     }
 }
 

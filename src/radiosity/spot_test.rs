@@ -74,7 +74,8 @@ fn linear_light_stays_linear() {
 #[test]
 fn elements_keep_their_mean_and_no_spot_is_beyond_the_neighbours() {
     let (_, elements) = floor();
-    let at = |e: usize, salt| 10.0 * unit_float(hash(e as u32, salt));
+    // A third of the elements have the least, and as many the most.
+    let at = |e: usize, salt| (30.0 * unit_float(hash(e as u32, salt)) - 10.0).clamp(0.0, 10.0);
     let values: Vec<Vec3A> = (0..elements.len())
         .map(|e| Vec3A::new(at(e, 1), at(e, 2), f32::from(u8::from(e % 5 == 0))))
         .collect();
@@ -87,7 +88,8 @@ fn elements_keep_their_mean_and_no_spot_is_beyond_the_neighbours() {
         let mean = spots.iter().sum::<Vec3A>() / SPOTS as f32;
         assert!(mean.distance(*value) < 1e-4, "{mean} {value}");
         for spot in spots {
-            assert!(spot.cmpge(least - 1e-5).all() && spot.cmple(most + 1e-5).all());
+            // Not by a rounding either: below 0 there is no light.
+            assert!(spot.cmpge(least).all() && spot.cmple(most).all());
             // What is dark beside bright ones stays dark.
             assert!(value.z > 0.0 || spot.z == 0.0);
         }
