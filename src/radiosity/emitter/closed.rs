@@ -10,17 +10,18 @@ use crate::radiosity::facet::{Facet, Way};
 use crate::radiosity::gradient::{Arrived, gradient_of};
 use crate::radiosity::illumination::Shadow;
 use crate::radiosity::occlusion::{OFFSET, Occluders};
-use crate::radiosity::sampling::{hash, sobol};
+use crate::radiosity::sampling::{hash, sobol_2d};
 
 /// One of so many shadow rays is of the first round, at least.
 const FIRST: u32 = 4;
 
-/// Rays of the first round, from a group to a lamp, at least.
+/// Rays of the first round, from a group to a lamp, at least; and so many are enough.
 ///
 /// If `n` evenly spread rays see all of a lamp of which the share `s` is hidden, which happens with
 /// probability `1 − n s`, the share counts as seen: on average that is `s (1 − n s)` of its light
 /// too much, `1/4n` at worst.
 const AGREEING: u32 = 40;
+const ENOUGH: u32 = 160;
 
 /// Points by which the light of an emitter that is not evenly bright is shared out among its
 /// elements, at least, where that takes no rays.
@@ -143,9 +144,10 @@ impl Closed<'_> {
     /// Both rounds of rays to a lamp, `rays` from each receiver.
     fn rounds(&self, lamp: &mut Lamp, rays: u32) {
         let blocks = self.group.blocks;
+        let of_each = |all: u32| all.div_ceil(self.group.receivers.len() as u32);
         let first = rays
             .div_ceil(FIRST)
-            .max(AGREEING.div_ceil(self.group.receivers.len() as u32))
+            .clamp(of_each(AGREEING), of_each(ENOUGH))
             .min(rays);
         self.round(lamp, 0, first, None);
         let (start, rest) = (blocks * first, rays - first);
@@ -167,8 +169,8 @@ impl Closed<'_> {
             }
             let from = start + block * rays;
             for i in from..from + rays {
-                let [u, v, ..] = sobol(i, 1, lamp.seed);
-                let Some((l, way, weight)) = sight.way(receiver.normal, [u, v]) else {
+                let point = sobol_2d(i, lamp.seed);
+                let Some((l, way, weight)) = sight.way(receiver.normal, point) else {
                     continue;
                 };
                 sight.whole += weight;

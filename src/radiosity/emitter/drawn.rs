@@ -6,7 +6,10 @@ use super::{Emitters, Light, Receiver};
 use crate::radiosity::element::Elements;
 use crate::radiosity::emitter_tree::{Choices, Leaf};
 use crate::radiosity::occlusion::{OFFSET, Occluders};
-use crate::radiosity::sampling::{sobol, triangle as triangle_point};
+use crate::radiosity::sampling::{hash, sobol_2d, triangle as triangle_point};
+
+/// Sets points on emitters apart from directions.
+const DRAWN: u32 = 0xD6A3;
 
 /// Many emitters: points drawn on them.
 ///
@@ -31,15 +34,17 @@ impl Emitters<'_> {
         if choices.is_empty() {
             return 0;
         }
+        // Gathering rays take points of the seed itself.
+        let seed = hash(seed, DRAWN);
         let (count, mut traced) = (indices.len() as f32, 0);
         for i in indices {
-            let [choice, u, v, _] = sobol(i, 1, seed);
-            let Some((leaf, probability)) = choices.choose(self.tree, receiver, choice) else {
+            let [choice, v] = sobol_2d(i, seed);
+            let Some(chosen) = choices.choose(self.tree, receiver, choice) else {
                 continue;
             };
-            let leaf = &self.tree.leaves[leaf as usize];
-            let b = triangle_point(u, v);
-            let Some(sent) = self.sent(elements, receiver, leaf, b, probability) else {
+            let leaf = &self.tree.leaves[chosen.leaf as usize];
+            let b = triangle_point(chosen.u.clamp(0.0, 1.0), v);
+            let Some(sent) = self.sent(elements, receiver, leaf, b, chosen.probability) else {
                 continue;
             };
             traced += 1;

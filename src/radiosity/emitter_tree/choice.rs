@@ -4,12 +4,18 @@ use super::{Content, EmitterTree, Node};
 use crate::radiosity::emitter::Receiver;
 
 impl EmitterTree {
-    /// Walks down the tree by `u`; the leaf and the probability with which it is chosen.
-    fn choose(&self, receiver: &Receiver, mut u: f32) -> Option<(u32, f32)> {
+    /// Walks down the tree by `u`.
+    fn choose(&self, receiver: &Receiver, mut u: f32) -> Option<Chosen> {
         let (mut index, mut probability) = (0, 1.0);
         loop {
             let (left, right) = match self.nodes[index as usize].content {
-                Content::Leaf(leaf) => return Some((leaf, probability)),
+                Content::Leaf(leaf) => {
+                    return Some(Chosen {
+                        leaf,
+                        probability,
+                        u,
+                    });
+                }
                 Content::Children(left, right) => (left, right),
             };
             let share = self.left_share(receiver, left, right)?;
@@ -47,6 +53,15 @@ impl EmitterTree {
         let [l, r] = [left, right].map(|n| self.nodes[n as usize].importance(receiver));
         (l + r > 0.0).then(|| l / (l + r))
     }
+}
+
+/// A leaf that was chosen.
+pub(crate) struct Chosen {
+    pub(crate) leaf: u32,
+    /// With which it was.
+    pub(crate) probability: f32,
+    /// What is left of the number that chose it: uniform again.
+    pub(crate) u: f32,
 }
 
 /// How one receiver chooses among the emitters: the same distribution for all its samples.
@@ -103,18 +118,19 @@ impl Choices {
         matches!(self, Self::Table(table) if table.is_empty())
     }
 
-    pub(crate) fn choose(
-        &self,
-        tree: &EmitterTree,
-        receiver: &Receiver,
-        u: f32,
-    ) -> Option<(u32, f32)> {
+    /// The leaf that `u`, 0..1, falls on.
+    pub(crate) fn choose(&self, tree: &EmitterTree, receiver: &Receiver, u: f32) -> Option<Chosen> {
         match self {
             Self::Walk => tree.choose(receiver, u),
             Self::Table(table) => {
                 // Parts of the tree that cannot be seen leave the sum below 1: their share is dark.
-                let entry = table.iter().find(|entry| u < entry.1);
-                entry.map(|&(leaf, _, probability)| (leaf, probability))
+                let &(leaf, end, probability) = table.iter().find(|entry| u < entry.1)?;
+                let u = 1.0 - (end - u) / probability;
+                Some(Chosen {
+                    leaf,
+                    probability,
+                    u,
+                })
             }
         }
     }
