@@ -79,8 +79,13 @@ impl Folder {
     }
 }
 
-/// Two triangles of 1 m in a node of scale 2, with everything that a vertex may have.
 fn wall() -> Vec<u8> {
+    let (json, bin) = wall_parts();
+    glb(&json, bin)
+}
+
+/// Two triangles of 1 m in a node of scale 2, with everything that a vertex may have.
+fn wall_parts() -> (Value, Vec<u8>) {
     let mut bin: Vec<u8> = Vec::new();
     let mut views = Vec::new();
     let mut accessors = Vec::new();
@@ -133,7 +138,7 @@ fn wall() -> Vec<u8> {
         "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": bin.len()}],
         "extras": {"kept": true},
     });
-    glb(&json, bin)
+    (json, bin)
 }
 
 fn glb(json: &Value, mut bin: Vec<u8>) -> Vec<u8> {
@@ -286,6 +291,123 @@ fn what_cannot_be_done_is_told_and_nothing_written() {
     );
     assert_eq!(usage.code, 2);
     assert!(usage.err.contains("above 0"), "{}", usage.err);
+}
+
+const EXTENSION: &str = "KHR_materials_displacement";
+
+/// The folder's scene, its material displaced by the folder's map, from −5 to 5 cm in units of the mesh.
+fn displaced_by_its_material(folder: &Folder, change: impl FnOnce(&mut Value)) {
+    let (mut json, bin) = wall_parts();
+    json["images"] = json!([{"uri": "map.png"}]);
+    json["samplers"] = json!([{"wrapS": 33071, "wrapT": 33071}]);
+    json["textures"] = json!([{"source": 0, "sampler": 0}]);
+    json["extensionsUsed"] = json!([EXTENSION]);
+    json["materials"][0]["extensions"] = json!({EXTENSION: {
+        "displacementGeometryTexture": {"index": 0},
+        "displacementGeometryFactor": 0.1,
+        "displacementGeometryOffset": -0.05,
+    }});
+    change(&mut json);
+    fs::write(folder.path("own.glb"), glb(&json, bin)).unwrap();
+}
+
+#[test]
+fn materials_say_what_they_are_displaced_by() {
+    let folder = Folder::new();
+    displaced_by_its_material(&folder, |_| ());
+    let note = load(&folder.path("own.glb")).unwrap().notes.join(" ");
+    assert!(
+        note.contains("Plaster is displaced") && note.contains("fresco displace"),
+        "{note}"
+    );
+    folder.makes(&["@own.glb", "--texels", "1", "-o", "@own.out.glb"]);
+    // Half of it by the map are 10 cm of the scene.
+    let args = [
+        SCENE, "-m", "@map.png", "--only", "Wall", "--wrap", "clamp", "--texels", "1",
+    ];
+    folder.makes(
+        &[
+            &args[..],
+            &["--scale", "0.2", "--mid-level", "0.5", "-o", "@out.glb"],
+        ]
+        .concat(),
+    );
+    let [own, given] = ["own.out.glb", "out.glb"].map(|name| fs::read(folder.path(name)).unwrap());
+    let [own_positions, positions] = [&own, &given].map(|file| attribute(file, "POSITION"));
+    assert_eq!(own_positions.len(), positions.len());
+    for (own, given) in own_positions.iter().zip(&positions) {
+        assert!((own - given).abs() < 1e-6, "{own} {given}");
+    }
+    assert!(positions.iter().skip(2).step_by(3).any(|&z| z < -0.04));
+    // Once is enough.
+    let json = load(&folder.path("own.out.glb")).unwrap().document.json;
+    assert!(json.get("extensionsUsed").is_none());
+    assert!(json["materials"][0]["extensions"].get(EXTENSION).is_none());
+}
+
+/// Set, turned and moved texture coordinates: the same as those written into the mesh.
+#[test]
+fn texture_transforms_of_maps_are_followed() {
+    let folder = Folder::new();
+    displaced_by_its_material(&folder, |json| {
+        json["extensionsUsed"] = json!([EXTENSION, "KHR_texture_transform"]);
+        json["materials"][0]["extensions"][EXTENSION]["displacementGeometryTexture"] = json!({
+            "index": 0, "texCoord": 0,
+            "extensions": {"KHR_texture_transform": {"texCoord": 1, "scale": [2.0, 1.0], "offset": [-0.1, 0.0]}},
+        });
+    });
+    folder.makes(&["@own.glb", "--edge", "0.1", "-o", "@out.glb"]);
+    let file = fs::read(folder.path("out.glb")).unwrap();
+    let positions = attribute(&file, "POSITION");
+    for p in positions.chunks_exact(3) {
+        // u = 0.1 + 0.4 x is the second set.
+        let texel = 64.0 * (2.0 * (0.1 + 0.4 * p[0]) - 0.1) - 0.5;
+        let height = -0.05 + 0.1 * texel * 1000.0 / 65_535.0;
+        assert!((p[2] - height).abs() < 1e-5, "{p:?} {height}");
+    }
+}
+
+#[test]
+fn materials_of_others_stay_as_they_are() {
+    let folder = Folder::new();
+    displaced_by_its_material(&folder, |json| {
+        json["meshes"][1]["primitives"][0]["material"] = 0.into();
+    });
+    folder.makes(&[
+        "@own.glb", "--only", "Wall", "--edge", "0.5", "-o", "@out.glb",
+    ]);
+    let json = load(&folder.path("out.glb")).unwrap().document.json;
+    let displaced = |mesh: usize| {
+        let material = json["meshes"][mesh]["primitives"][0]["material"]
+            .as_u64()
+            .unwrap();
+        let extensions = &json["materials"][material as usize]["extensions"];
+        extensions.get(EXTENSION).is_some()
+    };
+    assert!(!displaced(0) && displaced(1));
+    assert_eq!(json["extensionsUsed"], json!([EXTENSION]));
+}
+
+#[test]
+fn maps_of_materials_that_cannot_be_had_are_told() {
+    let folder = Folder::new();
+    folder.refuses(&[SCENE], &["wall.glb", EXTENSION, "--map"]);
+    displaced_by_its_material(&folder, |json| json["images"][0]["uri"] = "none.png".into());
+    folder.refuses(&["@own.glb"], &["own.glb", "none.png"]);
+    let factor = |factor: f32| {
+        displaced_by_its_material(&folder, |json| {
+            json["materials"][0]["extensions"][EXTENSION]["displacementGeometryFactor"] =
+                factor.into();
+        });
+    };
+    factor(0.0);
+    folder.refuses(
+        &["@own.glb"],
+        &["own.glb", "map.png", "displacementGeometryFactor of 0"],
+    );
+    let usage = folder.run(&Session::default(), &["@own.glb", "--scale", "2"]);
+    assert_eq!(usage.code, 2);
+    assert!(usage.err.contains("--map"), "{}", usage.err);
 }
 
 #[test]

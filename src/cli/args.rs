@@ -173,6 +173,11 @@ pub(super) struct SettingsArgs {
     /// to add in real time
     #[arg(long, value_enum, default_value = "baked", help_heading = "Light")]
     direct: Direct,
+    /// cd/m² of a surface whose emission in the file is 1, 0 or more. Bevy's default camera shows such a surface as
+    /// bright as 998 cd/m² of lamplight: say so for scenes that have both kinds of light
+    #[arg(long, value_name = "GAIN", value_parser = not_negative, default_value = "1",
+          conflicts_with = "vertex_colors")]
+    pub(super) emissive_gain: f32,
     /// Radiance of the sky in cd/m² (nits), one number or R,G,B; a blue sky has about 4000
     /// [default: no sky]
     #[arg(long, value_name = "NITS", value_parser = radiance, help_heading = "Light")]
@@ -268,6 +273,10 @@ pub(super) fn positive(text: &str) -> Result<f32, String> {
     within(text, |v| v > 0.0, "above 0")
 }
 
+fn not_negative(text: &str) -> Result<f32, String> {
+    within(text, |v| v >= 0.0, "0 or more")
+}
+
 fn error(text: &str) -> Result<f32, String> {
     within(text, |v| (0.001..=1.0).contains(&v), "0.001 to 1")
 }
@@ -287,7 +296,7 @@ fn below_one(text: &str) -> Result<f32, String> {
 fn radiance(text: &str) -> Result<Vec3, String> {
     let parts: Vec<f32> = text
         .split(',')
-        .map(|part| within(part, |v| v >= 0.0, "0 or more"))
+        .map(not_negative)
         .collect::<Result<_, _>>()?;
     match parts[..] {
         [grey] => Ok(Vec3::splat(grey)),

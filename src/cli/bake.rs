@@ -88,6 +88,9 @@ fn make(
     for light in &mut file.scene.lights {
         light.direct = args.settings.direct();
     }
+    for material in &mut file.scene.materials {
+        material.emissive *= args.settings.emissive_gain;
+    }
     let origin = file.scene.origin;
     let loaded = Loaded::check(file)?;
     times.push(("validate", loaded.validate));

@@ -8,11 +8,11 @@ use super::args::{InfoArgs, Preset};
 use super::failure::Failure;
 use super::progress::Progress;
 use super::scene::{Loaded, on_threads};
-use super::text::{bytes, count, counted, seconds, short};
 use crate::gltf::{GltfProjection, GltfScene, load};
 use crate::radiosity::{
     BakeError, Estimate, Light, LightKind, Material, Scene, ValidScene, estimate,
 };
+use crate::text::{bytes, count, counted, seconds, short};
 
 /// Lines of a list before the rest is only counted.
 const LINES: usize = 40;

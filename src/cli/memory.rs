@@ -1,5 +1,5 @@
 use super::failure::Failure;
-use super::text::bytes;
+use crate::text::bytes;
 
 /// An error if a bake needs more memory than it may have: what is free unless said, because a
 /// machine that swaps is worse than none.

@@ -21,7 +21,6 @@ mod progress;
 mod report;
 mod scene;
 mod summary;
-mod text;
 
 use std::ffi::OsString;
 use std::io::Write;

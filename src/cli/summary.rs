@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use super::bake::Made;
 use super::outputs::Outputs;
-use super::text::{bytes, count, counted, percent, seconds, short};
 use crate::radiosity::Stopped;
+use crate::text::{bytes, count, counted, percent, seconds, short};
 
 /// Notes shown before the rest is left to the report.
 const NOTES: usize = 8;

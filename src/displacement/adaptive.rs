@@ -1,3 +1,5 @@
+use glam::{Vec2, Vec3};
+
 use super::deviation::{Deviation, Face};
 use super::heights::Heights;
 use super::settings::{Budget, result_bytes};
@@ -5,6 +7,7 @@ use super::sides::seams;
 use super::surface::Surface;
 use super::tessellated::{Tessellated, Twins};
 use super::{DisplacementError, Stop, Watch};
+use crate::height_map::PlanePyramid;
 use crate::mesh::{Bisected, Bisection, Conforming, Limits, Part, SurfacePoint};
 use crate::parallel::map_chunks;
 
@@ -27,15 +30,15 @@ const FACE_BYTES: u64 = result_bytes(1, 1);
 
 /// Bisects faces while the raised surface is further than `tolerance` from them.
 ///
-/// ```text
-///   limit = half the relief ──► faces beyond the limit ──► bisect them, and who shares the edge ─┐
-///             ▲                      ▲       │ none         heights of new vertices ◄────────────┘
-///             │ halve the limit      └───────┼───────────────────────┘
-///             └──────────────────────────────┴──► the limit is the tolerance: done
-/// ```
+/// If there is too little room for all that are, the worst come first: this begins anew, with half the relief
+/// for a limit, which is halved once no face is beyond it.
 ///
-/// As the limit is halved all over, the worst faces come first where room is short; and that a face is beyond
-/// a limit is mostly seen at its first points.
+/// ```text
+///   limit ──► faces beyond it ──► bisect them, and who shares the edge ─┐
+///     ▲              ▲   │ none         heights of new vertices ◄────────┘
+///     │ halve it     └───┼──────────────────────┘
+///     └──────────────────┴──► it is the tolerance: done
+/// ```
 pub(super) fn tessellate(
     surface: &Surface,
     heights: Heights,
@@ -43,29 +46,34 @@ pub(super) fn tessellate(
     budget: Budget,
     watch: &dyn Watch,
 ) -> Result<Adapted, DisplacementError> {
-    let mut work = Work::new(surface, heights);
-    work.know_new_vertices();
-    let first = (0.5 * heights.range()).max(tolerance);
-    let mut limit = first;
-    let mut full = None;
-    while full.is_none() {
-        let done = progress(first, limit, tolerance);
-        full = work.cut_beyond(limit, budget, &|| watch.goes_on("tessellate", done))?;
-        if limit <= tolerance {
-            break;
+    let bounds = PlanePyramid::new(heights.map, heights.kernel);
+    let begin = || Work::new(surface, heights, &bounds);
+    let mut work = begin();
+    let mut full = work.cut_beyond(tolerance, budget, watch)?;
+    if full.is_some() {
+        work = begin();
+        let mut limit = 0.5 * heights.range();
+        loop {
+            limit = limit.max(tolerance);
+            full = work.cut_beyond(limit, budget, watch)?;
+            if full.is_some() || limit <= tolerance {
+                break;
+            }
+            limit *= 0.5;
         }
-        limit = (0.5 * limit).max(tolerance);
     }
     Ok(work.finish(full, tolerance))
 }
 
-/// How far it is, 0 to 1.
-fn progress(first: f32, now: f32, tolerance: f32) -> f32 {
-    let whole = (first / tolerance).ln();
-    match whole > 0.0 {
-        true => ((first / now).ln() / whole).clamp(0.0, 1.0),
-        false => 1.0,
-    }
+/// What is known of a vertex.
+#[derive(Clone, Copy, Debug)]
+struct Vertex {
+    /// On the base.
+    position: Vec3,
+    direction: Vec3,
+    uv: Vec2,
+    /// By the map.
+    height: f32,
 }
 
 struct Work<'a> {
@@ -79,14 +87,14 @@ struct Work<'a> {
     errors: Vec<f32>,
     /// Faces that are not to be cut further.
     stuck: Vec<bool>,
-    /// Of the vertices of each part, by the map.
-    own: Vec<Vec<f32>>,
+    /// Of each part.
+    vertices: Vec<Vec<Vertex>>,
     /// Of each node: sum and number of what its vertices say.
     nodes: Vec<(f64, u32)>,
 }
 
 impl<'a> Work<'a> {
-    fn new(surface: &'a Surface<'a>, heights: Heights<'a>) -> Self {
+    fn new(surface: &'a Surface<'a>, heights: Heights<'a>, bounds: &'a PlanePyramid) -> Self {
         let part = |sheet: &'a super::surface::Sheet<'a>| Part {
             positions: &sheet.positions,
             triangles: sheet.triangles,
@@ -95,35 +103,47 @@ impl<'a> Work<'a> {
         let parts: Vec<Part> = surface.sheets.iter().map(part).collect();
         let conforming = Conforming::new(&parts, surface.tolerance);
         let faces = conforming.faces() as usize;
-        Self {
+        let mut work = Self {
             surface,
-            deviation: Deviation::new(heights),
+            deviation: Deviation::new(heights, bounds),
             heights,
             conforming,
             seams: seams(surface).concat(),
             errors: vec![0.0; faces],
             stuck: vec![false; faces],
-            own: vec![Vec::new(); surface.sheets.len()],
+            vertices: vec![Vec::new(); surface.sheets.len()],
             nodes: Vec::new(),
-        }
+        };
+        work.know_new_vertices();
+        work
     }
 
-    /// Looks up the heights of vertices that are new.
+    /// Looks up what is to be known of vertices that are new.
     fn know_new_vertices(&mut self) {
-        for (part, (own, sheet)) in (0..).zip(self.own.iter_mut().zip(&self.surface.sheets)) {
-            let known = own.len();
+        let parts = self.vertices.iter_mut().zip(&self.surface.sheets);
+        for (part, (vertices, sheet)) in (0..).zip(parts) {
+            let known = vertices.len();
             let points = &self.conforming.points(part)[known..];
             let chunks = map_chunks(points.len(), 16 * CHUNK, |range| {
-                let height = |&point: &SurfacePoint| self.heights.height(sheet.uv(point));
-                points[range].iter().map(height).collect::<Vec<_>>()
+                let vertex = |&point: &SurfacePoint| {
+                    let ([position, direction], uv) = (sheet.rail(point), sheet.uv(point));
+                    Vertex {
+                        position,
+                        direction,
+                        uv,
+                        height: self.heights.height(uv),
+                    }
+                };
+                points[range].iter().map(vertex).collect::<Vec<_>>()
             });
-            own.extend(chunks.into_iter().flatten());
-            for (&node, &height) in self.conforming.nodes(part).iter().zip(&*own).skip(known) {
+            vertices.extend(chunks.into_iter().flatten());
+            let nodes = self.conforming.nodes(part);
+            for (&node, vertex) in nodes.iter().zip(&*vertices).skip(known) {
                 if self.nodes.len() <= node as usize {
                     self.nodes.resize(node as usize + 1, (0.0, 0));
                 }
                 let (sum, count) = &mut self.nodes[node as usize];
-                *sum += f64::from(height);
+                *sum += f64::from(vertex.height);
                 *count += 1;
             }
         }
@@ -134,11 +154,13 @@ impl<'a> Work<'a> {
         &mut self,
         limit: f32,
         budget: Budget,
-        goes_on: &dyn Fn() -> bool,
+        watch: &dyn Watch,
     ) -> Result<Option<Stop>, DisplacementError> {
         let mut stale: Vec<u32> = (0..self.conforming.faces()).collect();
+        let whole = self.area(&stale);
         while !stale.is_empty() {
-            if !goes_on() {
+            let done = 1.0 - self.area(&stale) / whole.max(f32::MIN_POSITIVE);
+            if !watch.goes_on("tessellate", done.clamp(0.0, 1.0)) {
                 return Err(DisplacementError::Cancelled);
             }
             self.judge(&stale, |deviation, face| deviation.beyond(face, limit));
@@ -156,6 +178,15 @@ impl<'a> Work<'a> {
         Ok(None)
     }
 
+    /// Of faces, on the base.
+    fn area(&self, faces: &[u32]) -> f32 {
+        let area = |&face: &u32| {
+            let [a, b, c] = self.conforming.corners(face);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        faces.iter().map(area).sum()
+    }
+
     fn judge(&mut self, faces: &[u32], error: impl Fn(&Deviation, &Face) -> f32 + Sync) {
         let judged = map_chunks(faces.len(), CHUNK, |range| {
             let error = |&face: &u32| error(&self.deviation, &self.face(face));
@@ -169,27 +200,18 @@ impl<'a> Work<'a> {
     /// A face as it is raised now.
     fn face(&self, face: u32) -> Face {
         let part = self.conforming.part(face);
-        let sheet = &self.surface.sheets[part as usize];
-        let triangle = self.conforming.source(face);
-        let points = self
-            .conforming
-            .barycentrics(face)
-            .map(|barycentrics| SurfacePoint {
-                triangle,
-                barycentrics,
-            });
-        let vertices = self.conforming.vertices(face);
+        let corners = self.conforming.vertices(face);
         let nodes = self.conforming.nodes(part);
-        let own = vertices.map(|v| self.own[part as usize][v as usize]);
-        let heights = [0, 1, 2].map(|i| match self.nodes[nodes[vertices[i] as usize] as usize] {
+        let [a, b, c] = corners.map(|v| &self.vertices[part as usize][v as usize]);
+        let own = [a.height, b.height, c.height];
+        let heights = [0, 1, 2].map(|i| match self.nodes[nodes[corners[i] as usize] as usize] {
             (_, 1) => own[i],
             (sum, count) => (sum / f64::from(count)) as f32,
         });
-        let rails = points.map(|point| sheet.rail(point));
         Face {
-            base: rails.map(|[base, _]| base),
-            directions: rails.map(|[_, direction]| direction),
-            uvs: points.map(|point| sheet.uv(point)),
+            base: [a.position, b.position, c.position],
+            directions: [a.direction, b.direction, c.direction],
+            uvs: [a.uv, b.uv, c.uv],
             heights,
             gaps: [0, 1, 2].map(|i| own[i] - heights[i]),
             seams: self.seams[face as usize],
@@ -268,7 +290,7 @@ impl<'a> Work<'a> {
         });
         let mut at_nodes = Vec::new();
         let mut first = 0;
-        for part in 0..self.own.len() as u32 {
+        for part in 0..self.vertices.len() as u32 {
             let nodes = self.conforming.nodes(part);
             let shared = (0..)
                 .zip(nodes)

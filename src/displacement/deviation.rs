@@ -25,7 +25,7 @@ pub(super) struct Face {
 /// Finds where the surface is farthest from a face.
 pub(super) struct Deviation<'a> {
     heights: Heights<'a>,
-    bounds: PlanePyramid,
+    bounds: &'a PlanePyramid,
     /// Of the map.
     size: Vec2,
     wrap: [Wrap; 2],
@@ -57,10 +57,10 @@ const MANY: i64 = 4;
 const HALF: f32 = 2.0;
 
 impl<'a> Deviation<'a> {
-    pub(super) fn new(heights: Heights<'a>) -> Self {
+    pub(super) fn new(heights: Heights<'a>, bounds: &'a PlanePyramid) -> Self {
         let [width, height] = heights.map.size();
         Self {
-            bounds: PlanePyramid::new(heights.map, heights.kernel),
+            bounds,
             size: Vec2::new(width as f32, height as f32),
             wrap: heights.map.wrap(),
             heights,
@@ -94,10 +94,12 @@ impl<'a> Deviation<'a> {
     fn search(&self, face: &Face, least: f32, enough: f32) -> f32 {
         let mut search = Search::new(self, face, least, enough);
         for point in POINTS {
-            search.look(point);
+            if search.found * BETWEEN <= enough {
+                search.look(point);
+            }
         }
         search.found *= BETWEEN;
-        if search.longest > SMALL {
+        if search.longest > SMALL && search.found <= enough {
             search.descend();
         }
         search.found
@@ -154,16 +156,28 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The distance at one point.
+    /// The distance at one point, if it may be more than what is known.
     fn look(&mut self, weights: Vec3) {
-        let w = weights.to_array();
-        let mix = |values: [Vec3; 3]| values[0] * w[0] + values[1] * w[1] + values[2] * w[2];
-        let uvs = self.face.uvs;
-        let uv = uvs[0] * w[0] + uvs[1] * w[1] + uvs[2] * w[2];
+        let face = self.face;
+        let uv = face.uvs[0] * weights.x + face.uvs[1] * weights.y + face.uvs[2] * weights.z;
         let height = self.of.heights.height(uv);
-        let surface = mix(self.face.base) + height * mix(self.face.directions);
-        let distance = distance_to_triangle(surface, self.raised) - self.allowance(w);
-        self.found = self.found.max(distance);
+        if self.at_most(weights, height) <= self.found {
+            return;
+        }
+        let mix = |values: &[Vec3; 3]| {
+            values[0] * weights.x + values[1] * weights.y + values[2] * weights.z
+        };
+        let surface = mix(&face.base) + height * mix(&face.directions);
+        let distance = distance_to_triangle(surface, self.raised);
+        self.found = self
+            .found
+            .max(distance - self.allowance(weights.to_array()));
+    }
+
+    /// How far the surface at this height may be off: no farther than heights differ.
+    fn at_most(&self, weights: Vec3, height: f32) -> f32 {
+        let off = (height - weights.dot(Vec3::from(self.face.heights))).abs();
+        off * self.stretch + self.slack
     }
 
     /// Within a texel of a seam the charts of both sides are joined, and what they differ by is no error.
@@ -313,7 +327,7 @@ impl<'a> Search<'a> {
         for y in whole(1) {
             for x in whole(0) {
                 let weights = self.weights(Vec2::new(x as f32, y as f32));
-                // Distances are no larger than differences of height: most texels are done with here.
+                // Most texels are done with here.
                 if weights.min_element() >= 0.0 && self.is_worth_it(weights, [x, y]) {
                     self.look(weights);
                     if self.found > self.enough {
@@ -345,8 +359,7 @@ impl<'a> Search<'a> {
             return true;
         }
         let height = heights.scale * (heights.map.texel(x, y) - heights.mid_level);
-        let off = (height - weights.dot(Vec3::from(self.face.heights))).abs();
-        off * self.stretch + self.slack > self.found.max(self.least)
+        self.at_most(weights, height) > self.found.max(self.least)
     }
 
     /// Weights of the corners at a place on the map.

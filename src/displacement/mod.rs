@@ -57,6 +57,7 @@
 //! | `adaptive`, `deviation` | bisection to a tolerance, and how far the surface is from a face |
 //! | `tessellated` | what both kinds of tessellation make |
 //! | `raise` | heights, positions and normals of all vertices |
+//! | `tangent` | tangents of the base on the raised surface |
 
 mod adaptive;
 mod base;
@@ -74,6 +75,7 @@ mod report;
 mod settings;
 mod sides;
 mod surface;
+mod tangent;
 mod tessellated;
 mod uniform;
 
@@ -82,3 +84,4 @@ pub use displace::{Displaced, DisplacedPart, Watch, displace};
 pub use error::DisplacementError;
 pub use report::{Bounds, DisplacementReport, Stop};
 pub use settings::{Direction, DisplacementSettings, Spacing, Tessellation, result_bytes};
+pub use tangent::raised_tangent;

@@ -16,6 +16,7 @@ const ACCEPTED: &[&str] = &[
     "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",
     "KHR_materials_dispersion",
+    "KHR_materials_displacement",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_iridescence",

@@ -10,6 +10,7 @@ use gltf::json::validation::Checked;
 use serde_json::Value;
 
 use super::notes::Notes;
+use super::relief;
 use super::texture::{Textures, uv_set};
 use crate::radiosity::{AlphaMode, Material, MaterialId, TextureRef};
 
@@ -132,6 +133,13 @@ impl Slots<'_, '_> {
             self.read_emission(file, &mut material);
         }
         self.note_transmission(file);
+        if other_extension(file, relief::EXTENSION).is_some() {
+            self.notes.add(format!(
+                "Material {} is displaced by a height map, which light does not see: run `fresco displace` \
+                 first.",
+                self.name
+            ));
+        }
         material
     }
 

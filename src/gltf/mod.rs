@@ -10,7 +10,7 @@
 //! |---|---|
 //! | `container`, `check`: bytes and JSON, limits checked first | `export`: light into the JSON |
 //! | `accessor`, `hierarchy`, `primitive`: geometry in world space; `surfaces`: in mesh space | `accessor_json`: attributes to refine |
-//! | `material`, `texture`, `punctual`, `camera`: looks and light | `write`: whole files or none |
+//! | `material`, `texture`, `punctual`, `camera`: looks and light; `relief`: their height maps | `write`: whole files or none |
 
 mod accessor;
 mod accessor_json;
@@ -27,6 +27,7 @@ mod notes;
 mod placed;
 mod primitive;
 mod punctual;
+mod relief;
 mod surfaces;
 mod texture;
 mod write;
@@ -39,6 +40,7 @@ pub use export::{
     to_glb,
 };
 pub use import::{GltfScene, load};
+pub use relief::MaterialDisplacement;
 pub use surfaces::{GltfSurfaces, MeshSurface, PrimitiveSurface, load_surfaces};
 pub use write::write_atomically;
 

@@ -48,7 +48,7 @@ impl Reader<'_, '_> {
             Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan => "triangles",
         };
         if kind != "triangles" {
-            self.note(&format!("consists of {kind}, which carry no light"));
+            self.note(&format!("consists of {kind}, which have no surface"));
             return Ok(None);
         }
         let Some(positions) = find(primitive, Semantic::Positions) else {

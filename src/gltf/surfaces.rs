@@ -1,3 +1,4 @@
+use std::collections::HashMap;
 use std::path::Path;
 
 use glam::{DAffine3, Vec2, Vec3};
@@ -11,6 +12,7 @@ use super::import::{Opened, open};
 use super::notes::Notes;
 use super::placed;
 use super::primitive::Reader;
+use super::relief::{MaterialDisplacement, Reliefs};
 
 /// The meshes of a glTF file, each in its own space.
 #[derive(Clone, Debug)]
@@ -19,6 +21,8 @@ pub struct GltfSurfaces {
     pub document: Document,
     /// Those that the scene shows, in the order of the file.
     pub meshes: Vec<MeshSurface>,
+    /// Those that materials of these ask for, or why one cannot be had.
+    pub displacements: Vec<Result<MaterialDisplacement, String>>,
     /// What in the file was left out or taken otherwise than it says, one sentence each.
     pub notes: Vec<String>,
 }
@@ -41,11 +45,13 @@ pub struct PrimitiveSurface {
     pub key: PrimitiveKey,
     /// Name of its material, empty if it has none.
     pub material: String,
+    /// Which of the [`displacements`](GltfSurfaces::displacements) its material asks for.
+    pub displacement: Option<usize>,
     /// Of the vertices.
     pub positions: Vec<Vec3>,
     /// Of the vertices, or none.
     pub normals: Vec<Vec3>,
-    /// Of the vertices, or none: the set that was asked for.
+    /// Of the vertices, or none: those asked for.
     pub uvs: Vec<Vec2>,
     /// Vertex indices.
     pub triangles: Vec<[u32; 3]>,
@@ -54,13 +60,14 @@ pub struct PrimitiveSurface {
 /// Scales of a node along its axes, or of nodes that show one mesh, may differ by this share untold.
 const SAME_SCALE: f64 = 0.01;
 
-/// Loads the meshes of a `.glb` or `.gltf` file, with the set `uv_set` of texture coordinates.
+/// Loads the meshes of a `.glb` or `.gltf` file, with the set `uv_set` of texture coordinates; with `None`,
+/// those that lay the material's displacement on the mesh, transformed.
 ///
 /// # Errors
 ///
 /// [`GltfError`] if a file cannot be read, is not glTF, contradicts itself or requires an extension that is not
 /// supported.
-pub fn load_surfaces(path: &Path, uv_set: u32) -> Result<GltfSurfaces, GltfError> {
+pub fn load_surfaces(path: &Path, uv_set: Option<u32>) -> Result<GltfSurfaces, GltfError> {
     let bytes = std::fs::read(path).map_err(|source| GltfError::Read {
         path: path.to_owned(),
         source,
@@ -71,11 +78,19 @@ pub fn load_surfaces(path: &Path, uv_set: u32) -> Result<GltfSurfaces, GltfError
         hierarchy,
         mut notes,
     } = open(path, &bytes)?;
-    let loader = Loader {
+    let accessors = Accessors::new(&root, &document.buffers);
+    let mut loader = Loader {
         root: &root,
-        accessors: Accessors::new(&root, &document.buffers),
+        accessors,
         hierarchy: &hierarchy,
-        uv_set: uv_set as usize,
+        uv_set,
+        reliefs: Reliefs {
+            path,
+            root: &root,
+            accessors,
+            found: Vec::new(),
+            known: HashMap::new(),
+        },
     };
     let meshes = loader
         .meshes(&mut notes)
@@ -83,9 +98,11 @@ pub fn load_surfaces(path: &Path, uv_set: u32) -> Result<GltfSurfaces, GltfError
             path: path.to_owned(),
             reason,
         })?;
+    let displacements = loader.reliefs.found;
     Ok(GltfSurfaces {
         document,
         meshes,
+        displacements,
         notes: notes.into_list(),
     })
 }
@@ -94,11 +111,12 @@ struct Loader<'a> {
     root: &'a Root,
     accessors: Accessors<'a>,
     hierarchy: &'a Hierarchy,
-    uv_set: usize,
+    uv_set: Option<u32>,
+    reliefs: Reliefs<'a>,
 }
 
 impl Loader<'_> {
-    fn meshes(&self, notes: &mut Notes) -> Result<Vec<MeshSurface>, String> {
+    fn meshes(&mut self, notes: &mut Notes) -> Result<Vec<MeshSurface>, String> {
         let mut nodes = vec![Vec::new(); self.root.meshes.len()];
         for &node in &self.hierarchy.order {
             if let Some(mesh) = self.root.nodes[node].mesh
@@ -117,7 +135,12 @@ impl Loader<'_> {
             .collect()
     }
 
-    fn mesh(&self, mesh: usize, nodes: &[usize], notes: &mut Notes) -> Result<MeshSurface, String> {
+    fn mesh(
+        &mut self,
+        mesh: usize,
+        nodes: &[usize],
+        notes: &mut Notes,
+    ) -> Result<MeshSurface, String> {
         let given = [
             &self.root.nodes[nodes[0]].name,
             &self.root.meshes[mesh].name,
@@ -141,10 +164,20 @@ impl Loader<'_> {
                 continue;
             };
             let material = typed.material.and_then(|m| self.root.get(m)?.name.clone());
-            let uvs = match self.uv_set < geometry.uvs.len() {
-                true => geometry.uvs.swap_remove(self.uv_set),
-                false => Vec::new(),
+            let displacement =
+                (typed.material).and_then(|material| self.reliefs.of(material.value()));
+            let own = displacement.and_then(|d| self.reliefs.found[d].as_ref().ok());
+            let set = self.uv_set.or(own.map(|own| own.uv_set));
+            let set = set.and_then(|set| usize::try_from(set).ok());
+            let mut uvs = match set.filter(|&set| set < geometry.uvs.len()) {
+                Some(set) => geometry.uvs.swap_remove(set),
+                None => Vec::new(),
             };
+            if let (None, Some(own)) = (self.uv_set, own) {
+                for uv in &mut uvs {
+                    *uv = own.uv_transform.transform_point2(*uv);
+                }
+            }
             surface.primitives.push(PrimitiveSurface {
                 key: PrimitiveKey {
                     node: nodes[0],
@@ -152,6 +185,7 @@ impl Loader<'_> {
                     primitive,
                 },
                 material: material.unwrap_or_default(),
+                displacement,
                 positions: geometry.positions.iter().map(|p| p.as_vec3()).collect(),
                 normals: geometry.normals.iter().map(|n| n.as_vec3()).collect(),
                 uvs,

@@ -95,8 +95,7 @@ impl<'a> Textures<'a> {
     fn decode(&mut self, index: usize, wrap: [Wrap; 2], notes: &mut Notes) -> Option<Texture> {
         let image = self.root.images.get(index)?;
         let name = image_name(image, index);
-        let pixels = self
-            .bytes(image)
+        let pixels = image_bytes(self.path, self.accessors, image)
             .and_then(|bytes| decode_pixels(&bytes))
             .map_err(|reason| {
                 notes.add(format!(
@@ -115,15 +114,18 @@ impl<'a> Textures<'a> {
             wrap,
         })
     }
+}
 
-    fn bytes(&self, image: &gltf::json::Image) -> Result<Vec<u8>, String> {
-        match (&image.uri, image.buffer_view) {
-            (_, Some(view)) => self.accessors.view(view.value()).map(<[u8]>::to_vec),
-            (Some(uri), None) => {
-                container::fetch(self.path, uri).map_err(|error| error.to_string())
-            }
-            (None, None) => Err("it has neither a uri nor a buffer view".to_owned()),
-        }
+/// The file that an image is.
+pub(super) fn image_bytes(
+    path: &Path,
+    accessors: Accessors<'_>,
+    image: &gltf::json::Image,
+) -> Result<Vec<u8>, String> {
+    match (&image.uri, image.buffer_view) {
+        (_, Some(view)) => accessors.view(view.value()).map(<[u8]>::to_vec),
+        (Some(uri), None) => container::fetch(path, uri).map_err(|error| error.to_string()),
+        (None, None) => Err("it has neither a uri nor a buffer view".to_owned()),
     }
 }
 
@@ -134,7 +136,7 @@ fn decode_pixels(bytes: &[u8]) -> Result<image::RgbaImage, String> {
     Ok(image.map_err(|error| error.to_string())?.into_rgba8())
 }
 
-fn image_name(image: &gltf::json::Image, index: usize) -> String {
+pub(super) fn image_name(image: &gltf::json::Image, index: usize) -> String {
     match (&image.name, &image.uri) {
         (Some(name), _) if !name.is_empty() => format!("Image {name}"),
         (_, Some(uri)) if !container::is_data(uri) => format!("Image {uri}"),
@@ -142,7 +144,7 @@ fn image_name(image: &gltf::json::Image, index: usize) -> String {
     }
 }
 
-fn wrapping(root: &Root, sampler: Option<usize>) -> [Wrap; 2] {
+pub(super) fn wrapping(root: &Root, sampler: Option<usize>) -> [Wrap; 2] {
     let convert = |mode: &Checked<WrappingMode>| match mode {
         Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
         Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
@@ -166,7 +168,7 @@ pub(super) fn uv_set(info: &Info) -> u32 {
 
 /// `KHR_texture_transform`: scale, then rotation, then offset. As v points down, its counter-
 /// clockwise rotation is by the negative angle.
-fn uv_transform(info: &Info) -> Affine2 {
+pub(super) fn uv_transform(info: &Info) -> Affine2 {
     let transform = transform_of(info).map(|t| {
         Affine2::from_scale_angle_translation(
             Vec2::from_array(t.scale.0),

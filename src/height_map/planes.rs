@@ -170,39 +170,66 @@ impl Block {
     }
 }
 
+/// Texels along a side of the smallest blocks, with one more on either side.
+const PATCH: usize = CELLS as usize + 3;
+
+/// Texels of a block of cells and one more on either side, row by row.
+fn patch(map: &HeightMap, [x, y]: [u32; 2]) -> [[f32; PATCH]; PATCH] {
+    let first = [x, y].map(|i| i64::from(i * CELLS) - 1);
+    let [width, height] = map.size().map(i64::from);
+    let inside = |i: i64, n: i64| i >= 0 && i + PATCH as i64 <= n;
+    let mut patch = [[0.0; PATCH]; PATCH];
+    if inside(first[0], width) && inside(first[1], height) {
+        let start = first[1] * width + first[0];
+        let rows = map.heights()[start as usize..].chunks(width as usize);
+        for (to, from) in patch.iter_mut().zip(rows) {
+            to.copy_from_slice(&from[..PATCH]);
+        }
+        return patch;
+    }
+    for (j, row) in (0..).zip(&mut patch) {
+        for (i, texel) in (0..).zip(row) {
+            *texel = map.texel(first[0] + i, first[1] + j);
+        }
+    }
+    patch
+}
+
 /// A block of cells: the plane by least squares through the texels around them.
-fn smallest(map: &HeightMap, kernel: Kernel, [x, y]: [u32; 2]) -> Block {
-    let side = i64::from(CELLS);
-    let first = [i64::from(x) * side, i64::from(y) * side];
-    let half = 0.5 * CELLS as f32;
-    let texels = |margin: i64| {
-        (-margin..=side + margin)
-            .flat_map(move |j| (-margin..=side + margin).map(move |i| (i, j)))
-            .map(move |(i, j)| {
-                let from_middle = Vec2::new(i as f32 - half, j as f32 - half);
-                (from_middle, map.texel(first[0] + i, first[1] + j))
-            })
-    };
-    let count = (CELLS + 1).pow(2) as f32;
-    let mean = texels(0).map(|(_, h)| h).sum::<f32>() / count;
-    let moments: Vec2 = texels(0).map(|(at, h)| (h - mean) * at).sum();
-    let spread: f32 = texels(0).map(|(at, _)| at.x * at.x).sum();
+fn smallest(map: &HeightMap, kernel: Kernel, at: [u32; 2]) -> Block {
+    let patch = patch(map, at);
+    // Texels of the block itself, without those around it.
+    const INNER: std::ops::Range<usize> = 1..PATCH - 1;
+    let from_middle = |i: usize| i as f32 - 1.0 - 0.5 * CELLS as f32;
+    let count = (INNER.len() * INNER.len()) as f32;
+    let (mut sum, mut moments, mut spread) = (0.0, Vec2::ZERO, 0.0);
+    for j in INNER {
+        for i in INNER {
+            let at = Vec2::new(from_middle(i), from_middle(j));
+            sum += patch[j][i];
+            // Places add up to 0, so that the mean need not be taken off before.
+            moments += (patch[j][i] - patch[1][1]) * at;
+            spread += at.x * at.x;
+        }
+    }
     let mut block = Block {
-        mean,
+        mean: sum / count,
         slopes: moments / spread,
         below: f32::INFINITY,
         above: f32::NEG_INFINITY,
     };
     // Cubics look at a texel more on either side.
-    let (margin, overshoot) = match kernel {
-        Kernel::CatmullRom => (1, OVERSHOOT),
-        Kernel::BSpline => (1, 0.0),
-        Kernel::Bilinear | Kernel::Forward | Kernel::Central | Kernel::HalfCentral => (0, 0.0),
+    let (looks_at, overshoot) = match kernel {
+        Kernel::CatmullRom => (0..PATCH, OVERSHOOT),
+        Kernel::BSpline => (0..PATCH, 0.0),
+        Kernel::Bilinear | Kernel::Forward | Kernel::Central | Kernel::HalfCentral => (INNER, 0.0),
     };
-    for (at, h) in texels(margin) {
-        let above = h - block.plane(at);
-        block.below = block.below.min(above);
-        block.above = block.above.max(above);
+    for j in looks_at.clone() {
+        for i in looks_at.clone() {
+            let above = patch[j][i] - block.plane(Vec2::new(from_middle(i), from_middle(j)));
+            block.below = block.below.min(above);
+            block.above = block.above.max(above);
+        }
     }
     block.widened(overshoot)
 }

@@ -171,6 +171,17 @@ impl Raster {
         )
     }
 
+    /// The first channel alone.
+    pub fn red(self) -> Self {
+        let texels = match self.texels {
+            Texels::Rgb8(t) => Texels::Grey8(t.into_iter().map(|[red, ..]| red).collect()),
+            Texels::Rgb16(t) => Texels::Grey16(t.into_iter().map(|[red, ..]| red).collect()),
+            Texels::RgbF32(t) => Texels::GreyF32(t.into_iter().map(|[red, ..]| red).collect()),
+            grey => grey,
+        };
+        Self { texels, ..self }
+    }
+
     /// Number of texels.
     pub(super) fn len(&self) -> usize {
         self.texels.len()

@@ -3,11 +3,12 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use glam::Vec2;
 
+use super::relief::Relief;
 use crate::cli::args::{number, positive, within};
 use crate::cli::height::KernelArg;
 use crate::cli::memory::amount;
 use crate::displacement::{Direction, DisplacementSettings, Spacing, Tessellation};
-use crate::height_map::{Kernel, PrepareSettings, Stretch, Wrap};
+use crate::height_map::{PrepareSettings, Stretch, Wrap};
 
 pub(in crate::cli) const EXAMPLES: &str = "\
 Examples:
@@ -15,6 +16,8 @@ Examples:
       Raises wall.glb by up to 3 cm into wall.displaced.glb, with vertices where the relief needs them.
   fresco displace wall.glb --map bricks.png --scale 0.03 --tolerance 0.0005 --max-triangles 100000
       The same to half a millimetre, in 100,000 triangles at most.
+  fresco displace tiles.glb
+      By the maps that its materials name.
   fresco displace rock.glb --map noise.exr --mid-level 0.5 --texels 1 -o rough.glb
       One vertex a texel, grey staying where it is.
   fresco bake wall.displaced.glb --preview wall.png
@@ -26,9 +29,10 @@ Make the map with `fresco height` from a photo. docs/displacement.md explains ho
 pub(in crate::cli) struct DisplaceArgs {
     /// The meshes: a .glb or .gltf file
     pub(super) scene: PathBuf,
-    /// Heights, one channel: PNG, JPEG, OpenEXR or Radiance HDR; bright is high
+    /// Heights, one channel: PNG, JPEG, OpenEXR or Radiance HDR; bright is high [default: the maps that the
+    /// scene's materials name by `KHR_materials_displacement`]
     #[arg(short, long, value_name = "IMAGE")]
-    pub(super) map: PathBuf,
+    pub(super) map: Option<PathBuf>,
     /// Where the result goes, a .glb file [default: SCENE.displaced.glb beside the scene]
     #[arg(short, long, value_name = "GLB")]
     pub(super) output: Option<PathBuf>,
@@ -53,20 +57,20 @@ pub(in crate::cli) struct DisplaceArgs {
 pub(super) struct ReliefArgs {
     /// Metres from black to white; negative digs
     #[arg(short, long, value_name = "METRES", value_parser = number, default_value = "0.05",
-          allow_negative_numbers = true)]
+          allow_negative_numbers = true, requires = "map")]
     pub(super) scale: f32,
     /// The height that stays where it is: 0 raises everything, 0.5 raises the bright and lowers the dark
     #[arg(long, value_name = "LEVEL", value_parser = number, default_value = "0",
-          allow_negative_numbers = true)]
-    mid_level: f32,
+          allow_negative_numbers = true, requires = "map")]
+    pub(super) mid_level: f32,
     /// Which set of texture coordinates lays the map on the meshes: 0 is `TEXCOORD_0`
-    #[arg(long, value_name = "SET", default_value = "0")]
+    #[arg(long, value_name = "SET", default_value = "0", requires = "map")]
     pub(super) uv: u32,
     /// How often the map repeats where texture coordinates go from 0 to 1, one number or U,V, above 0
-    #[arg(long, value_name = "TIMES", value_parser = times, default_value = "1")]
+    #[arg(long, value_name = "TIMES", value_parser = times, default_value = "1", requires = "map")]
     pub(super) repeat: Vec2,
     /// How the map goes on beyond its border
-    #[arg(long, value_enum, default_value = "repeat")]
+    #[arg(long, value_enum, default_value = "repeat", requires = "map")]
     wrap: WrapArg,
     /// Which way is out
     #[arg(long, value_enum, default_value = "smooth")]
@@ -132,33 +136,20 @@ impl DisplaceArgs {
         self.only.is_empty() || self.only.iter().any(|only| names.contains(&only.as_str()))
     }
 
-    pub(super) fn prepare(&self) -> PrepareSettings {
-        let wrap = match self.relief.wrap {
-            WrapArg::Repeat => Wrap::Repeat,
-            WrapArg::Clamp => Wrap::Clamp,
-        };
-        PrepareSettings {
-            wrap: [wrap; 2],
-            dequantize: self.relief.dequantize,
-            stretch: Stretch::AsIs,
-            ..PrepareSettings::default()
-        }
-    }
-
     /// For a mesh whose unit is so many metres.
-    pub(super) fn settings(&self, kernel: Kernel, metres: f32) -> DisplacementSettings {
+    pub(super) fn settings(&self, relief: &Relief, metres: f32) -> DisplacementSettings {
         let vertices = &self.vertices;
         let tessellation = match (vertices.texels, vertices.edge) {
             (Some(texels), _) => Tessellation::Uniform(Spacing::Texels(texels)),
             (_, Some(edge)) => Tessellation::Uniform(Spacing::Metres(edge / metres)),
             _ => Tessellation::Adaptive {
-                tolerance: self.tolerance() / metres,
+                tolerance: self.tolerance(relief, metres),
             },
         };
         DisplacementSettings {
-            scale: self.relief.scale / metres,
-            mid_level: self.relief.mid_level,
-            kernel,
+            scale: relief.scale(metres),
+            mid_level: relief.mid_level,
+            kernel: relief.kernel,
             direction: match self.relief.direction {
                 DirectionArg::Smooth => Direction::Smooth,
                 DirectionArg::FaceNormal => Direction::FaceNormal,
@@ -171,10 +162,29 @@ impl DisplaceArgs {
         }
     }
 
-    /// As asked, or a hundredth of the scale; of no scale anything will do.
-    pub(super) fn tolerance(&self) -> f32 {
-        let usual = (0.01 * self.relief.scale.abs()).max(f32::MIN_POSITIVE);
-        self.vertices.tolerance.unwrap_or(usual)
+    /// As asked, or a hundredth of the scale; of no scale anything will do. In units of a mesh, of which one is
+    /// so many metres.
+    pub(super) fn tolerance(&self, relief: &Relief, metres: f32) -> f32 {
+        let usual = (0.01 * relief.scale(metres).abs()).max(f32::MIN_POSITIVE);
+        (self.vertices.tolerance).map_or(usual, |asked| asked / metres)
+    }
+}
+
+impl ReliefArgs {
+    pub(super) fn wrap(&self) -> Wrap {
+        match self.wrap {
+            WrapArg::Repeat => Wrap::Repeat,
+            WrapArg::Clamp => Wrap::Clamp,
+        }
+    }
+
+    pub(super) fn prepare(&self, wrap: [Wrap; 2]) -> PrepareSettings {
+        PrepareSettings {
+            wrap,
+            dequantize: self.dequantize,
+            stretch: Stretch::AsIs,
+            ..PrepareSettings::default()
+        }
     }
 }
 

@@ -1,13 +1,14 @@
 use std::io::Write;
+use std::path::PathBuf;
 use std::time::Instant;
 
 use glam::Vec2;
 
 use super::args::DisplaceArgs;
+use super::relief::{Relief, Reliefs};
 use super::summary::{Done, summary};
 use crate::cli::Session;
 use crate::cli::failure::Failure;
-use crate::cli::height::{KernelArg, read};
 use crate::cli::outputs::{all_writable, extension, same};
 use crate::cli::progress::Progress;
 use crate::cli::scene::{go_on, on_threads, resources};
@@ -16,14 +17,6 @@ use crate::gltf::{
     DisplacedPrimitive, MeshSurface, PrimitiveSurface, load_surfaces, to_displaced_glb,
     write_atomically,
 };
-use crate::height_map::{HeightMap, Kernel, Precision, Warning, prepare_data};
-
-/// A map and how it is looked up.
-struct Map {
-    heights: HeightMap,
-    kernel: Kernel,
-    warnings: Vec<Warning>,
-}
 
 /// Runs `fresco displace`.
 pub(in crate::cli) fn displace_command(
@@ -34,7 +27,13 @@ pub(in crate::cli) fn displace_command(
     let output = args.output();
     extension(&output, &["glb"], "the result is binary glTF")?;
     all_writable(&[&output])?;
-    spare(args, [args.scene.as_path(), args.map.as_path()])?;
+    spare(
+        args,
+        [&args.scene]
+            .into_iter()
+            .chain(&args.map)
+            .map(PathBuf::as_path),
+    )?;
     let (bytes, done) = on_threads(args.threads, |_| make(session, args))?;
     go_on(session)?;
     write_atomically(&output, &bytes)?;
@@ -62,27 +61,23 @@ fn spare<'a>(
 fn make(session: &Session, args: &DisplaceArgs) -> Result<(Vec<u8>, Done), Failure> {
     let progress = Progress::new(session, args.quiet);
     progress.step("load");
-    let file = load_surfaces(&args.scene, args.relief.uv)?;
+    let file = load_surfaces(&args.scene, args.map.as_ref().map(|_| args.relief.uv))?;
     let beside = resources(&file.document);
-    spare(args, beside.iter().map(std::path::PathBuf::as_path))?;
-    let map = read_map(args)?;
+    spare(args, beside.iter().map(PathBuf::as_path))?;
+    let mut reliefs = Reliefs::new(args, &file)?;
     go_on(session)?;
 
-    // The others are about light in photos.
-    let seams = (map.warnings.iter()).filter(|w| matches!(w, Warning::NotTiling { .. }));
-    let warnings = seams.map(ToString::to_string);
-    let notes = file.notes.iter().cloned().chain(warnings).collect();
-    let mut done = Done::new(args.tolerance(), notes);
+    let mut done = Done::default();
     let mut displaced: Vec<(Vec<&PrimitiveSurface>, Displaced)> = Vec::new();
     for mesh in &file.meshes {
-        let wanted = wanted(args, mesh);
-        if wanted.is_empty() {
-            continue;
+        for (relief, wanted) in reliefs.of_mesh(args, mesh) {
+            let started = Instant::now();
+            let relief = reliefs.get(relief);
+            let result = displace_mesh(args, mesh, &wanted, relief, &progress)?;
+            let tolerance = args.tolerance(relief, mesh.scale as f32);
+            done.add(mesh, tolerance, &result.report, started.elapsed());
+            displaced.push((wanted, result));
         }
-        let started = Instant::now();
-        let result = displace_mesh(args, mesh, &wanted, &map, &progress)?;
-        done.add(mesh, &result.report, started.elapsed());
-        displaced.push((wanted, result));
     }
     if displaced.is_empty() {
         return Err(nothing(args, &file.meshes));
@@ -97,41 +92,17 @@ fn make(session: &Session, args: &DisplaceArgs) -> Result<(Vec<u8>, Done), Failu
         })
         .collect();
     let exported = to_displaced_glb(&file.document, &primitives)?;
+    let before = file.notes.iter().chain(&reliefs.notes).cloned();
+    done.notes.splice(0..0, before);
     done.notes.extend(exported.notes);
     Ok((exported.bytes, done))
-}
-
-fn read_map(args: &DisplaceArgs) -> Result<Map, Failure> {
-    let file = read(&args.map)?;
-    let prepared = prepare_data(&file.raster, &args.prepare()).map_err(|error| {
-        Failure::Error(format!(
-            "{}: {error} (`fresco height` makes heights from a photo)",
-            args.map.display()
-        ))
-    })?;
-    let kernel = match (args.relief.kernel, file.raster.precision()) {
-        (Some(kernel), _) => KernelArg::kernel(kernel),
-        (None, Precision::Eight) => Kernel::BSpline,
-        (None, _) => Kernel::CatmullRom,
-    };
-    Ok(Map {
-        heights: prepared.map,
-        kernel,
-        warnings: prepared.warnings,
-    })
-}
-
-/// The primitives that are to be displaced.
-fn wanted<'a>(args: &DisplaceArgs, mesh: &'a MeshSurface) -> Vec<&'a PrimitiveSurface> {
-    let wanted = |p: &&PrimitiveSurface| args.wanted(&[&mesh.name, &p.material]);
-    mesh.primitives.iter().filter(wanted).collect()
 }
 
 fn displace_mesh(
     args: &DisplaceArgs,
     mesh: &MeshSurface,
     wanted: &[&PrimitiveSurface],
-    map: &Map,
+    relief: &Relief,
     progress: &Progress,
 ) -> Result<Displaced, Failure> {
     let uvs: Vec<Vec<Vec2>> = (wanted.iter())
@@ -145,15 +116,16 @@ fn displace_mesh(
             triangles: &p.triangles,
         })
         .collect();
-    let settings = args.settings(map.kernel, mesh.scale as f32);
-    displace(&bases, &map.heights, &settings, progress).map_err(|error| match error {
+    let settings = args.settings(relief, mesh.scale as f32);
+    displace(&bases, &relief.heights, &settings, progress).map_err(|error| match error {
         DisplacementError::Cancelled => Failure::Cancelled,
         DisplacementError::NoUvs { .. } => Failure::Error(format!(
             "{}: {} has no TEXCOORD_{}, which tells where on the map it is: unwrap it, choose another \
-             set (--uv), or leave it out (--only)",
+             set{}, or leave it out (--only)",
             args.scene.display(),
             mesh.name,
-            args.relief.uv
+            relief.uv_set,
+            if args.map.is_some() { " (--uv)" } else { "" }
         )),
         other => Failure::Error(format!("{}: {}: {other}", args.scene.display(), mesh.name)),
     })

@@ -1,11 +1,12 @@
 //! `fresco displace`: glTF meshes in and out of [`displacement`](crate::displacement).
 //!
 //! ```text
-//!   args ─► load meshes, read map ─► displace each mesh ─► write ─► summary
+//!   args ─► load meshes, read maps ─► displace each mesh ─► write ─► summary
 //! ```
 
 mod args;
 mod command;
+mod relief;
 mod summary;
 
 pub(super) use args::{DisplaceArgs, EXAMPLES};

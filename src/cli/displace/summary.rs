@@ -1,29 +1,26 @@
 use std::path::Path;
 use std::time::Duration;
 
-use crate::cli::text::{bytes, counted, percent, seconds, short};
 use crate::displacement::{DisplacementReport, Stop};
 use crate::gltf::MeshSurface;
+use crate::text::{bytes, counted, percent, seconds, short};
 
 /// What was done, and what to know about it.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Done {
-    /// Asked for, in metres.
-    tolerance: f32,
     lines: Vec<String>,
     pub(super) notes: Vec<String>,
 }
 
 impl Done {
-    pub(super) fn new(tolerance: f32, notes: Vec<String>) -> Self {
-        Self {
-            tolerance,
-            lines: Vec::new(),
-            notes,
-        }
-    }
-
-    pub(super) fn add(&mut self, mesh: &MeshSurface, report: &DisplacementReport, time: Duration) {
+    /// A mesh, or part of it; `tolerance` was asked for, in its units as the report is.
+    pub(super) fn add(
+        &mut self,
+        mesh: &MeshSurface,
+        tolerance: f32,
+        report: &DisplacementReport,
+        time: Duration,
+    ) {
         let before = mesh
             .primitives
             .iter()
@@ -42,11 +39,11 @@ impl Done {
             line.push_str(&format!("; error at most {} mm", short(1e3 * metres)));
         }
         self.lines.push(line);
-        self.note_stop(mesh, report);
-        self.note_mended(mesh, report);
+        self.note_stop(mesh, tolerance, report);
+        self.note_mended(mesh, tolerance, report);
     }
 
-    fn note_stop(&mut self, mesh: &MeshSurface, report: &DisplacementReport) {
+    fn note_stop(&mut self, mesh: &MeshSurface, tolerance: f32, report: &DisplacementReport) {
         let limit = match report.stop {
             Stop::Reached => return,
             Stop::Triangles => "--max-triangles",
@@ -68,12 +65,12 @@ impl Done {
             ),
             None => format!(
                 "{name}: there was no room to reach {} mm: raise {limit} or --tolerance",
-                short(1e3 * f64::from(self.tolerance))
+                short(1e3 * f64::from(tolerance) * mesh.scale)
             ),
         });
     }
 
-    fn note_mended(&mut self, mesh: &MeshSurface, report: &DisplacementReport) {
+    fn note_mended(&mut self, mesh: &MeshSurface, tolerance: f32, report: &DisplacementReport) {
         let mut note = |number: u64, noun: &str, what: &str| {
             if number > 0 {
                 self.notes
@@ -105,8 +102,8 @@ impl Done {
             "place",
             "whose normals cancel out, and which stayed: sheets back to back have no outside",
         );
-        let gap = f64::from(report.seam_gap) * mesh.scale;
-        if gap > f64::from(self.tolerance) {
+        if report.seam_gap > tolerance {
+            let gap = f64::from(report.seam_gap) * mesh.scale;
             self.notes.push(format!(
                 "{}: the map does not fit at texture seams, heights differ by up to {} mm there and the \
                  mean was taken",

@@ -14,4 +14,4 @@ mod write;
 
 pub(super) use args::{EXAMPLES, HeightArgs, KernelArg};
 pub(super) use command::height_command;
-pub(super) use read::read;
+pub(super) use read::{ImageFile, decode, read};

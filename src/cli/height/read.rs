@@ -19,15 +19,21 @@ pub(in crate::cli) struct ImageFile {
 /// Size, numbers, and the share of texels that are not opaque.
 pub(super) type Decoded = ([u32; 2], Texels, f64);
 
-/// Reads PNG, JPEG, OpenEXR or Radiance HDR, told apart by content.
+/// Reads a PNG, JPEG, OpenEXR or Radiance HDR file.
 pub(in crate::cli) fn read(path: &Path) -> Result<ImageFile, Failure> {
-    let named =
-        |reason: String| Failure::Error(format!("cannot read {}: {reason}", path.display()));
-    let bytes = fs::read(path).map_err(|error| named(error.to_string()))?;
+    let name = path.display().to_string();
+    let bytes =
+        fs::read(path).map_err(|error| Failure::Error(format!("cannot read {name}: {error}")))?;
+    decode(&name, &bytes)
+}
+
+/// The image of that name from its bytes: PNG, JPEG, OpenEXR or Radiance HDR, told apart by content.
+pub(in crate::cli) fn decode(name: &str, bytes: &[u8]) -> Result<ImageFile, Failure> {
+    let named = |reason: String| Failure::Error(format!("cannot read {name}: {reason}"));
     if bytes.is_empty() {
         return Err(named("the file is empty: export the image again".into()));
     }
-    let (size, texels, transparent) = decode(&bytes).map_err(named)?;
+    let (size, texels, transparent) = decode_any(bytes).map_err(named)?;
     Ok(ImageFile {
         raster: Raster::new(size, texels).map_err(|error| named(error.to_string()))?,
         transparent,
@@ -43,7 +49,7 @@ pub(super) fn usual_encoding(raster: &Raster) -> Encoding {
     }
 }
 
-fn decode(bytes: &[u8]) -> Result<Decoded, String> {
+fn decode_any(bytes: &[u8]) -> Result<Decoded, String> {
     let kinds = "it must be a PNG, JPEG, OpenEXR or Radiance HDR image";
     match image::guess_format(bytes) {
         Ok(ImageFormat::OpenExr) => exr_file::decode(bytes),

@@ -2,8 +2,8 @@ use std::path::PathBuf;
 
 use super::args::HeightArgs;
 use super::command::Made;
-use crate::cli::text::{bytes, percent};
 use crate::height_map::{Encoding, Photo, Precision, Stretch};
+use crate::text::{bytes, percent};
 
 /// What was made, for the terminal.
 pub(super) fn summary(args: &HeightArgs, made: &Made, files: &[(PathBuf, Vec<u8>)]) -> String {

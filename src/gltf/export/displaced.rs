@@ -1,12 +1,16 @@
 //! Writes displaced meshes in the place of those they were made from.
 
-use glam::Vec3;
+use std::collections::HashMap;
+
+use glam::{DVec3, Vec3};
+use serde_json::Value;
 
 use super::{
     Exported,
     glb::Glb,
     images,
     instances::Target,
+    materials::free_materials,
     primitive::{
         Attributes, BAKED_LIGHT, BAKED_LIGHT_GRADIENT, attributes_mut, push_attribute, remove,
         vertex_count,
@@ -14,10 +18,11 @@ use super::{
     refine::{self, Source},
 };
 use crate::{
-    displacement::DisplacedPart,
+    displacement::{DisplacedPart, raised_tangent},
     gltf::{
         Document, GltfError, PrimitiveKey,
         accessor_json::{AccessorData, ElementKind},
+        relief::EXTENSION,
     },
 };
 
@@ -32,10 +37,20 @@ pub struct DisplacedPrimitive<'a> {
     pub part: &'a DisplacedPart,
 }
 
+impl DisplacedPrimitive<'_> {
+    fn target(&self) -> Target {
+        Target {
+            mesh: self.key.mesh,
+            primitive: self.key.primitive,
+        }
+    }
+}
+
 /// Writes `document` with displaced meshes as a single `.glb`.
 ///
 /// Texture coordinates, colours, skins, morph targets and whatever else vertices have are interpolated, tangents
-/// turned to lie in the displaced surface. Light of an earlier bake is left out, since it fits no more.
+/// turned to lie in the displaced surface. Light of an earlier bake is left out, since it fits no more, and so is
+/// what materials say of displacement, since it is done.
 /// Everything else in the document goes through as it came.
 ///
 /// # Errors
@@ -50,6 +65,8 @@ pub fn to_displaced_glb(
     for displaced in displaced {
         write(&mut glb, displaced)?;
     }
+    let targets: Vec<Target> = displaced.iter().map(DisplacedPrimitive::target).collect();
+    drop_relief(&mut glb, &targets);
     glb.finish()
 }
 
@@ -59,10 +76,7 @@ fn write(glb: &mut Glb, displaced: &DisplacedPrimitive<'_>) -> Result<(), GltfEr
         triangles,
         part,
     } = *displaced;
-    let target = Target {
-        mesh: key.mesh,
-        primitive: key.primitive,
-    };
+    let target = displaced.target();
     let primitive = target.of(&glb.json).clone();
     let count = vertex_count(glb, &primitive)?;
     let source = Source {
@@ -91,6 +105,42 @@ fn write(glb: &mut Glb, displaced: &DisplacedPrimitive<'_>) -> Result<(), GltfEr
     Ok(())
 }
 
+/// Takes displacement out of the materials of displaced primitives, in a copy where others have the same.
+fn drop_relief(glb: &mut Glb, targets: &[Target]) {
+    let mut free = free_materials(glb, targets);
+    let mut copies = HashMap::new();
+    for target in targets {
+        let index = target.of(&glb.json)["material"].as_u64();
+        let Some(index) = index.and_then(|index| usize::try_from(index).ok()) else {
+            continue;
+        };
+        let mut material = glb.json["materials"][index].clone();
+        let extensions = material["extensions"].as_object_mut();
+        if extensions.and_then(|all| all.remove(EXTENSION)).is_none() {
+            continue;
+        }
+        let without = match free.remove(&index) {
+            true => {
+                glb.json["materials"][index] = material;
+                index
+            }
+            false => (copies.entry(index))
+                .or_insert_with(|| glb.push("materials", material))
+                .to_owned(),
+        };
+        target.of_mut(&mut glb.json)["material"] = without.into();
+    }
+    let materials = glb.json["materials"].as_array();
+    let has = |material: &Value| {
+        material
+            .pointer(&format!("/extensions/{EXTENSION}"))
+            .is_some()
+    };
+    if !materials.is_some_and(|all| all.iter().any(has)) {
+        glb.drop_extension(EXTENSION);
+    }
+}
+
 fn replace(attributes: &mut Attributes, name: &str, values: &[Vec3]) {
     let data = AccessorData {
         kind: ElementKind::VEC3,
@@ -104,19 +154,24 @@ fn replace(attributes: &mut Attributes, name: &str, values: &[Vec3]) {
     }
 }
 
-/// Takes what of the tangents points along the normals out of them.
+/// Turns tangents of the base into the surface. Without normals of the base they mean nothing.
 fn turn_tangents(attributes: &mut Attributes, normals: &[Vec3]) {
-    let tangents = attributes.iter_mut().find(|(name, _)| name == "TANGENT");
-    let Some((_, tangents)) = tangents else {
+    let read = |name: &str| -> Option<Vec<Vec3>> {
+        let (_, data) = attributes.iter().find(|(known, _)| known == name)?;
+        let vectors = data.values.chunks_exact(data.kind.width());
+        let vector = |v: &[f64]| Some(DVec3::from_slice(v.get(..3)?).as_vec3());
+        vectors.map(vector).collect()
+    };
+    let (Some(base), Some(flat)) = (read("NORMAL"), read("TANGENT")) else {
+        return;
+    };
+    let Some((_, tangents)) = attributes.iter_mut().find(|(name, _)| name == "TANGENT") else {
         return;
     };
     let width = tangents.kind.width();
-    for (value, &normal) in tangents.values.chunks_exact_mut(width).zip(normals) {
-        let [Some(&x), Some(&y), Some(&z)] = [0, 1, 2].map(|i| value.get(i)) else {
-            return;
-        };
-        let along = Vec3::new(x as f32, y as f32, z as f32).reject_from_normalized(normal);
-        let turned = (along.try_normalize()).unwrap_or_else(|| normal.any_orthonormal_vector());
+    let values = tangents.values.chunks_exact_mut(width);
+    for ((value, (base, flat)), &normal) in values.zip(base.into_iter().zip(flat)).zip(normals) {
+        let turned = raised_tangent(flat, base.normalize_or_zero(), normal);
         for (value, turned) in value.iter_mut().zip(turned.to_array()) {
             *value = f64::from(turned);
         }

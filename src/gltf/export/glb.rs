@@ -179,6 +179,22 @@ impl Glb {
         }
     }
 
+    /// Says of an extension no more that it is used.
+    pub(super) fn drop_extension(&mut self, name: &str) {
+        for list in ["extensionsUsed", "extensionsRequired"] {
+            let Some(Value::Array(names)) = self.json.get_mut(list) else {
+                continue;
+            };
+            names.retain(|used| used != name);
+            // glTF wants no empty lists.
+            if names.is_empty()
+                && let Some(json) = self.json.as_object_mut()
+            {
+                json.remove(list);
+            }
+        }
+    }
+
     /// Reads an accessor that must have `count` elements.
     pub(super) fn read(&self, accessor: usize, count: usize) -> Result<AccessorData, GltfError> {
         let found = self.count(accessor)?;

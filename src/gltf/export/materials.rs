@@ -38,26 +38,9 @@ impl UnlitMaterials {
             .as_array()
             .cloned()
             .unwrap_or_default();
-        let baked: HashSet<Target> = targets.iter().copied().collect();
-        let mut free: HashSet<usize> = (0..originals.len()).collect();
-        let meshes = glb.json["meshes"].as_array().into_iter().flatten();
-        for (mesh, json) in meshes.enumerate() {
-            let primitives = json["primitives"].as_array().into_iter().flatten();
-            for (index, json) in primitives.enumerate() {
-                let target = Target {
-                    mesh,
-                    primitive: index,
-                };
-                if !baked.contains(&target) {
-                    for material in materials_of(json) {
-                        free.remove(&material);
-                    }
-                }
-            }
-        }
         Self {
+            free: free_materials(glb, targets),
             originals,
-            free,
             made: HashMap::new(),
         }
     }
@@ -141,6 +124,25 @@ fn note_lost_emission(
             name.unwrap_or_default()
         ));
     }
+}
+
+/// Materials that no primitive but these has: they may be changed in place.
+pub(super) fn free_materials(glb: &Glb, targets: &[Target]) -> HashSet<usize> {
+    let ours: HashSet<Target> = targets.iter().copied().collect();
+    let count = glb.json["materials"].as_array().map_or(0, Vec::len);
+    let mut free: HashSet<usize> = (0..count).collect();
+    let meshes = glb.json["meshes"].as_array().into_iter().flatten();
+    for (mesh, json) in meshes.enumerate() {
+        let primitives = json["primitives"].as_array().into_iter().flatten();
+        for (primitive, json) in primitives.enumerate() {
+            if !ours.contains(&Target { mesh, primitive }) {
+                for material in materials_of(json) {
+                    free.remove(&material);
+                }
+            }
+        }
+    }
+    free
 }
 
 fn materials_of(primitive: &Value) -> impl Iterator<Item = usize> {

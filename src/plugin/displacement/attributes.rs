@@ -4,7 +4,7 @@ use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 
 use super::skin;
-use crate::displacement::DisplacedPart;
+use crate::displacement::{DisplacedPart, raised_tangent};
 use crate::plugin::bump::{ATTRIBUTE_U_GRADIENT, ATTRIBUTE_V_GRADIENT, insert_uv_gradients};
 use crate::plugin::radiosity::mesh_data::{MeshData, refined};
 use crate::plugin::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT};
@@ -30,11 +30,7 @@ pub(super) fn displaced_mesh(source: &Mesh, data: &MeshData, part: &DisplacedPar
     mesh
 }
 
-/// Less than this of the raised normal along the base's: too steep to shear along it.
-const UPRIGHT: f32 = 1e-3;
-
-/// Steps along tangents of the base, raised: they go up or down along the base's normal until they lie in the
-/// surface.
+/// Turns tangents of the base into the surface.
 fn turn_tangents(mesh: &mut Mesh, data: &MeshData, part: &DisplacedPart) {
     let tangents = mesh.attribute_mut(Mesh::ATTRIBUTE_TANGENT);
     let Some(VertexAttributeValues::Float32x4(tangents)) = tangents else {
@@ -46,13 +42,7 @@ fn turn_tangents(mesh: &mut Mesh, data: &MeshData, part: &DisplacedPart) {
     });
     for ((tangent, base), &normal) in tangents.iter_mut().zip(base).zip(&part.normals) {
         let [x, y, z, handedness] = *tangent;
-        let flat = Vec3::new(x, y, z);
-        let upright = base.dot(normal);
-        let turned = match upright > UPRIGHT {
-            true => flat - base * (flat.dot(normal) / upright),
-            false => flat.reject_from_normalized(normal),
-        };
-        let turned = (turned.try_normalize()).unwrap_or_else(|| normal.any_orthonormal_vector());
+        let turned = raised_tangent(Vec3::new(x, y, z), base, normal);
         // Interpolated ones are one but for roundings.
         *tangent = turned.extend(handedness.signum()).to_array();
     }

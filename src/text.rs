@@ -1,7 +1,7 @@
 use std::time::Duration;
 
 /// A size for people, in decimal units.
-pub(super) fn bytes(count: u64) -> String {
+pub(crate) fn bytes(count: u64) -> String {
     let value = count as f64;
     match count {
         0..1_000 => format!("{count} B"),
@@ -12,7 +12,7 @@ pub(super) fn bytes(count: u64) -> String {
 }
 
 /// A large number for people.
-pub(super) fn count(count: u64) -> String {
+pub(crate) fn count(count: u64) -> String {
     let value = count as f64;
     match count {
         0..1_000_000 => {
@@ -28,7 +28,7 @@ pub(super) fn count(count: u64) -> String {
 }
 
 /// A number with its noun, in the plural where it has to be.
-pub(super) fn counted(number: u64, noun: &str) -> String {
+pub(crate) fn counted(number: u64, noun: &str) -> String {
     let plural = if number == 1 {
         noun.to_owned()
     } else if let Some(stem) = noun.strip_suffix("ex") {
@@ -40,7 +40,7 @@ pub(super) fn counted(number: u64, noun: &str) -> String {
 }
 
 /// A time for people.
-pub(super) fn seconds(time: Duration) -> String {
+pub(crate) fn seconds(time: Duration) -> String {
     let s = time.as_secs_f64();
     if s < 0.01 {
         format!("{:.1} ms", 1e3 * s)
@@ -52,7 +52,7 @@ pub(super) fn seconds(time: Duration) -> String {
 }
 
 /// A share in per cent; tiny ones by their order of magnitude.
-pub(super) fn percent(share: f64) -> String {
+pub(crate) fn percent(share: f64) -> String {
     let p = 100.0 * share;
     if p == 0.0 || p >= 0.01 {
         format!("{p:.2} %")
@@ -62,7 +62,7 @@ pub(super) fn percent(share: f64) -> String {
 }
 
 /// A quantity of light or length to three digits.
-pub(super) fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     if value == 0.0 || (0.01..100_000.0).contains(&value.abs()) {
         let digits = if value.abs() >= 100.0 {
             0
