@@ -101,7 +101,11 @@ pub mod displacement;
 pub mod gltf;
 pub mod height_map;
 pub mod mesh;
+#[cfg(feature = "panel")]
+pub mod panel;
 mod parallel;
 #[cfg(feature = "bevy")]
 pub mod plugin;
 pub mod radiosity;
+#[cfg(any(feature = "cli", feature = "panel"))]
+mod text;

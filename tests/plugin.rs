@@ -1,6 +1,8 @@
 //! The Bevy side without a renderer.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
+#[path = "plugin/baked_scene.rs"]
+mod baked_scene;
 #[path = "plugin/changes.rs"]
 mod changes;
 #[path = "plugin/displaced.rs"]

@@ -1,10 +1,13 @@
 //! The sample scenes are what their generator makes, and what they claim to be.
 
+#[path = "../examples/scenes/baked.rs"]
+mod baked;
 #[path = "../examples/scenes/mod.rs"]
 mod scenes;
 
 use std::path::{Path, PathBuf};
 
+use bevy_fresco::radiosity::BakeSettings;
 use glam::{Mat4, Vec3, vec3};
 use gltf::{Gltf, Node};
 
@@ -212,4 +215,35 @@ fn the_courtyard_has_some_of_everything() {
         let png = &blob[view.offset()..view.offset() + view.length()];
         assert!(image::load_from_memory(png).is_ok());
     }
+}
+
+/// Light of each primitive's vertices, of a file's bytes.
+fn light(file: &[u8]) -> Vec<Vec<f32>> {
+    let scene = Gltf::from_slice(file).expect("the file is valid");
+    let primitives = scene.meshes().flat_map(|mesh| mesh.primitives());
+    let semantic = gltf::Semantic::Extras("BAKED_LIGHT".into());
+    primitives
+        .filter_map(|primitive| primitive.get(&semantic))
+        .map(|accessor| {
+            let bytes = bytes(&scene, &accessor).as_chunks().0;
+            bytes.iter().map(|b| f32::from_le_bytes(*b)).collect()
+        })
+        .collect()
+}
+
+/// The file with light is what a bake makes of the one without. Machines whose sines differ in the last bit may
+/// differ a little more in the light.
+#[test]
+fn baked_light_is_that_of_a_bake() {
+    let (made, report) = baked::baked(&path("cornell_box.glb"), &BakeSettings::BALANCED)
+        .expect("the scene can be baked");
+    let kept = std::fs::read(path("cornell_box_baked.glb")).expect("it is there");
+    let [made, kept] = [&made.bytes, &kept].map(|file| light(file));
+    assert!(!kept.is_empty());
+    let counts = |light: &[Vec<f32>]| light.iter().map(Vec::len).collect::<Vec<_>>();
+    assert_eq!(counts(&made), counts(&kept), "make_scenes was not run");
+    let pairs = || made.iter().flatten().zip(kept.iter().flatten());
+    let squares: f64 = pairs().map(|(a, b)| f64::from(a - b).powi(2)).sum();
+    let off = (squares / pairs().count() as f64).sqrt();
+    assert!(off < 1e-3 * f64::from(report.mean_light), "{off}");
 }

@@ -24,7 +24,7 @@ const SETTLE: u32 = 30;
 
 /// `DefaultPlugins`, with a window of that title or, for a screenshot, without one.
 pub(crate) fn default_plugins(title: &str) -> PluginGroupBuilder {
-    let Some(path) = screenshot_path() else {
+    let Some(path) = argument("--screenshot").map(PathBuf::from) else {
         let window = Window {
             title: title.into(),
             ..default()
@@ -34,6 +34,11 @@ pub(crate) fn default_plugins(title: &str) -> PluginGroupBuilder {
             ..default()
         });
     };
+    without_window().add(TakeScreenshot { path })
+}
+
+/// `DefaultPlugins` that draw into nothing, as fast as they can.
+pub(crate) fn without_window() -> PluginGroupBuilder {
     DefaultPlugins
         .set(WindowPlugin {
             primary_window: None,
@@ -47,18 +52,15 @@ pub(crate) fn default_plugins(title: &str) -> PluginGroupBuilder {
         })
         .disable::<WinitPlugin>()
         .add(bevy::app::ScheduleRunnerPlugin::default())
-        .add(TakeScreenshot { path })
 }
 
-fn screenshot_path() -> Option<PathBuf> {
-    let mut arguments = std::env::args().skip_while(|a| a != "--screenshot");
+/// What the command line gives after a flag, if that is there.
+pub(crate) fn argument(flag: &str) -> Option<String> {
+    let mut arguments = std::env::args().skip_while(|argument| argument != flag);
     arguments.next()?;
-    let path = arguments.next().map(PathBuf::from);
-    assert!(
-        path.is_some(),
-        "--screenshot needs a file: --screenshot room.png"
-    );
-    path
+    let value = arguments.next();
+    assert!(value.is_some(), "{flag} needs a value");
+    value
 }
 
 struct TakeScreenshot {

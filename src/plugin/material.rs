@@ -1,5 +1,6 @@
 //! The material that shows relief and baked light: Bevy's standard material and one extension.
 
+use bevy::material::OpaqueRendererMethod;
 use bevy::mesh::{MeshVertexBufferLayout, MeshVertexBufferLayoutRef, VertexAttributeDescriptor};
 use bevy::pbr::{
     ExtendedMaterial, MaterialExtension, MaterialExtensionKey, MaterialExtensionPipeline,
@@ -46,6 +47,16 @@ impl Default for FrescoExtension {
             detail: None,
         }
     }
+}
+
+/// Where Bevy may choose, lit surfaces are drawn forward: its deferred lighting would add the diffuse
+/// part of lights that are wholly baked a second time.
+pub(super) fn drawn_forward(original: &StandardMaterial) -> StandardMaterial {
+    let mut material = original.clone();
+    if material.opaque_render_method == OpaqueRendererMethod::Auto {
+        material.opaque_render_method = OpaqueRendererMethod::Forward;
+    }
+    material
 }
 
 /// Where attributes enter the vertex shader: Bevy's own end at 7.

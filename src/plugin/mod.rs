@@ -3,6 +3,7 @@
 //! [`FrescoPlugins`] is all of it; add it after `DefaultPlugins`.
 
 mod attribute;
+mod baked_scene;
 mod bind_group;
 pub mod bump;
 pub mod displacement;
@@ -13,6 +14,7 @@ mod shaders;
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
 pub use attribute::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT};
+pub use baked_scene::{BakedScene, BakedScenePlugin};
 pub use displacement::DisplacementPlugin;
 pub use material::{FrescoExtension, FrescoMaterial, FrescoMaterialPlugin};
 pub use radiosity::RadiosityPlugin;
@@ -22,6 +24,7 @@ pub use radiosity::RadiosityPlugin;
 /// | plugin | what it gives |
 /// |---|---|
 /// | [`FrescoMaterialPlugin`] | the material that shows relief and baked light |
+/// | [`BakedScenePlugin`] | light that was baked elsewhere and loaded with meshes |
 /// | [`DisplacementPlugin`] | meshes raised by height maps |
 /// | [`RadiosityPlugin`] | light baked in the running world |
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,6 +34,7 @@ impl PluginGroup for FrescoPlugins {
     fn build(self) -> PluginGroupBuilder {
         PluginGroupBuilder::start::<Self>()
             .add(FrescoMaterialPlugin)
+            .add(BakedScenePlugin)
             .add(DisplacementPlugin)
             .add(RadiosityPlugin::default())
     }

@@ -10,6 +10,7 @@ mod changes;
 mod closed_form;
 mod deformed;
 mod directional;
+mod displaced;
 mod double_light;
 mod like_bevys_lightmap;
 mod other_devices;

@@ -24,7 +24,7 @@ use bevy::render::{RenderPlugin, view::Msaa};
 use bevy::shader::Shader;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
-use bevy_fresco::plugin::FrescoMaterialPlugin;
+use bevy_fresco::plugin::{DisplacementPlugin, FrescoMaterialPlugin};
 
 use crate::bumps::PrepassNormals;
 use crate::picture::Picture;
@@ -107,6 +107,7 @@ impl Stage {
                 .disable::<WinitPlugin>()
                 .disable::<PipelinedRenderingPlugin>(),
             FrescoMaterialPlugin,
+            DisplacementPlugin,
             MaterialPlugin::<PrepassNormals>::default(),
         ))
         .init_resource::<Frames>()

@@ -1,8 +1,8 @@
-use bevy::material::OpaqueRendererMethod;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 use super::components::{InEffect, OriginalMaterial};
+use crate::plugin::material::drawn_forward;
 use crate::plugin::{FrescoExtension, FrescoMaterial};
 
 /// The materials that were moved, by what they were: entities that shared one share one again.
@@ -50,16 +50,6 @@ pub(super) fn move_materials(
                 MeshMaterial3d(handle),
             ));
     }
-}
-
-/// Where Bevy may choose, lit surfaces are drawn forward: its deferred lighting would add the diffuse
-/// part of lights that are wholly baked a second time.
-fn drawn_forward(original: &StandardMaterial) -> StandardMaterial {
-    let mut material = original.clone();
-    if material.opaque_render_method == OpaqueRendererMethod::Auto {
-        material.opaque_render_method = OpaqueRendererMethod::Forward;
-    }
-    material
 }
 
 /// Carries changes of original materials over.
