@@ -78,7 +78,7 @@ pub(super) struct BakeArgs {
 pub(super) struct ResultArgs {
     /// Store light as vertex colours on unlit materials, which any viewer shows. What is brighter
     /// than white is cut off, and the file cannot be baked again
-    #[arg(long, conflicts_with = "directional")]
+    #[arg(long, conflicts_with_all = ["directional", "emissive_gain"])]
     pub(super) vertex_colors: bool,
     /// Factor from cd/m² to the 0..1 of vertex colours and preview, above 0 [default: for vertex
     /// colours the mean light becomes mid grey, 0.18; for the preview it is chosen by the picture]
@@ -176,7 +176,7 @@ pub(super) struct SettingsArgs {
     /// cd/m² of a surface whose emission in the file is 1, 0 or more. Bevy's default camera shows such a surface as
     /// bright as 998 cd/m² of lamplight: say so for scenes that have both kinds of light
     #[arg(long, value_name = "GAIN", value_parser = not_negative, default_value = "1",
-          conflicts_with = "vertex_colors")]
+          help_heading = "Light")]
     pub(super) emissive_gain: f32,
     /// Radiance of the sky in cd/m² (nits), one number or R,G,B; a blue sky has about 4000
     /// [default: no sky]

@@ -109,7 +109,7 @@ impl FrescoPanel<'_, '_> {
         section(ui, "Materials", false, |ui| self.materials.show(ui));
         if let Some(report) = &status.report {
             section(ui, "Result", true, |ui| {
-                results::show(ui, report, status.bytes)
+                results::show(ui, report, status.bytes);
             });
         }
         self.relief.show(ui);

@@ -10,7 +10,7 @@ const PLOT: f32 = 90.0;
 /// Times, errors, the solver's residuals, memory.
 pub(super) fn show(ui: &mut egui::Ui, report: &Report, kept: u64) {
     let error = &report.error;
-    let mut line = |ui: &mut egui::Ui, label: &str, value: String| {
+    let line = |ui: &mut egui::Ui, label: &str, value: String| {
         ui.label(label);
         ui.label(value);
         ui.end_row();

@@ -20,7 +20,7 @@ const FIRST: u32 = 4;
 /// If `n` evenly spread rays see all of a lamp of which the share `s` is hidden, which happens with
 /// probability `1 − n s`, the share counts as seen: on average that is `s (1 − n s)` of its light
 /// too much, `1/4n` at worst.
-const AGREEING: u32 = 40;
+const AGREEING: u32 = 48;
 const ENOUGH: u32 = 160;
 
 /// Points by which the light of an emitter that is not evenly bright is shared out among its
