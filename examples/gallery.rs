@@ -5,6 +5,8 @@
 //! `--screenshot FILE` saves a picture without a window, `--realtime` begins with the engine's lamps, `--compare`
 //! times both ways without a window.
 
+#![expect(clippy::print_stdout, reason = "it says what it measured")]
+
 mod common;
 
 use std::f32::consts::{PI, TAU};

@@ -5,6 +5,8 @@
 //! picture without a window, of the room at rest. `--soak SECONDS` changes all of it at random without a window and
 //! then tells how much memory and main thread that took, and whether the light is right.
 
+#![expect(clippy::print_stdout, reason = "it says what it measured")]
+
 mod common;
 
 use std::time::{Duration, Instant};

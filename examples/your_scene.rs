@@ -4,6 +4,11 @@
 //! Drag with the left button to turn, with the right one to move, roll the wheel to come nearer; F1 hides the panel.
 //! `--screenshot FILE` saves a picture without a window.
 
+#![expect(
+    clippy::print_stderr,
+    reason = "it says what is wrong with its arguments"
+)]
+
 mod common;
 
 use std::path::PathBuf;

@@ -59,13 +59,15 @@ impl Desk {
             ..default()
         };
         let mut state = SystemState::<FrescoPanel>::new(&mut self.world);
-        let output = {
+        let mut output = {
             let mut panel = state
                 .get_mut(&mut self.world)
                 .expect("its parameters are there");
             self.context.run_ui(input, |ui| panel.show(ui))
         };
         state.apply(&mut self.world);
+        // Nobody draws them.
+        output.textures_delta.clear();
         self.texts.clear();
         for shape in output.shapes {
             collect(&shape.shape, &mut self.texts);
