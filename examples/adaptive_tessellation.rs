@@ -72,8 +72,6 @@ fn setup(
         base_color: Color::srgba(0.0, 0.0, 0.0, 0.6),
         alpha_mode: AlphaMode::Blend,
         unlit: true,
-        // In front of the faces that they belong to.
-        depth_bias: 100.0,
         ..default()
     });
     let displacement = Displacement {
@@ -81,7 +79,14 @@ fn setup(
         uv_transform: bevy::math::Affine2::from_scale(Vec2::new(2.0, 1.0)),
         ..Displacement::new(map, HEIGHT)
     };
-    let edges = || (Edges, MeshMaterial3d(lines.clone()), Transform::default());
+    // In front of the faces that they belong to.
+    let edges = || {
+        (
+            Edges,
+            MeshMaterial3d(lines.clone()),
+            Transform::from_xyz(0.0, 0.0, 0.001),
+        )
+    };
     let wall = |y: f32| {
         (
             Mesh3d(wall.clone()),

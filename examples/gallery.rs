@@ -23,6 +23,7 @@ use bevy_fresco::plugin::radiosity::{
     LightBaking, RadiositySettings, RadiosityStatus, StaticLighting,
 };
 use bevy_fresco::plugin::{FrescoExtension, FrescoMaterial, FrescoPlugins};
+use bevy_fresco::radiosity::BakeSettings;
 
 /// Width, height and depth of the room, in metres.
 const ROOM: Vec3 = Vec3::new(7.0, 3.4, 6.0);
@@ -35,9 +36,6 @@ const BRICK: f32 = 0.05;
 const STONE: f32 = 0.015;
 
 #[derive(Component)]
-struct Room;
-
-#[derive(Component)]
 struct Lamp;
 
 /// Whether the engine lights the room.
@@ -47,8 +45,13 @@ struct Realtime(bool);
 fn main() -> AppExit {
     let flag = |flag: &str| std::env::args().any(|argument| argument == flag);
     let compares = flag("--compare");
-    let mut settings = RadiositySettings::default();
-    settings.bake.directional = true;
+    let settings = RadiositySettings {
+        bake: BakeSettings {
+            directional: true,
+            ..BakeSettings::DRAFT
+        },
+        ..default()
+    };
     let mut app = App::new();
     app.add_plugins((
         match compares {
@@ -123,17 +126,15 @@ fn setup(
                 true => Quat::from_rotation_y(up.x.atan2(up.z)),
                 false => Quat::from_rotation_x(-PI / 2.0 * up.y),
             }),
-            StaticLighting::default(),
         )
     };
     let mut displacement = Displacement {
         uv_transform: Affine2::from_scale(ROOM.xy() / 1.7),
         ..Displacement::new(bricks, BRICK)
     };
-    displacement.settings.tessellation = Tessellation::Adaptive { tolerance: 0.004 };
+    displacement.settings.tessellation = Tessellation::Adaptive { tolerance: 0.006 };
     let across = Vec2::new(ROOM.z, ROOM.y);
     commands.spawn((
-        Room,
         Transform::default(),
         Visibility::default(),
         children![
@@ -151,7 +152,6 @@ fn setup(
             MeshMaterial3d(fluted.clone()),
             // Bevy's texture coordinates begin at the same place on each.
             Transform::from_xyz(x, 0.0, z).with_rotation(Quat::from_rotation_y(TAU / 32.0)),
-            StaticLighting::default(),
         ));
     }
     // Lanterns that only the bake can have as lamps, and one that both can.
@@ -161,7 +161,6 @@ fn setup(
             Mesh3d(lantern.clone()),
             MeshMaterial3d(glowing.clone()),
             Transform::from_xyz(x, 0.2, -1.9),
-            StaticLighting::default(),
         ));
     }
     commands.spawn((
@@ -192,16 +191,20 @@ fn key(keys: Res<ButtonInput<KeyCode>>, mut realtime: ResMut<Realtime>) {
 fn light(
     mut commands: Commands,
     realtime: Res<Realtime>,
-    surfaces: Query<Entity, With<Mesh3d>>,
+    surfaces: Query<(Entity, Has<Displacement>), With<Mesh3d>>,
     mut lamps: Query<(Entity, &mut PointLight), With<Lamp>>,
 ) {
     if !realtime.is_changed() {
         return;
     }
-    for surface in &surfaces {
+    for (surface, is_displaced) in &surfaces {
         match realtime.0 {
             true => commands.entity(surface).remove::<StaticLighting>(),
-            false => commands.entity(surface).insert(StaticLighting::default()),
+            false => commands.entity(surface).insert(StaticLighting {
+                // Relief has vertices enough for its light.
+                refine: !is_displaced,
+                ..default()
+            }),
         };
     }
     for (entity, mut lamp) in &mut lamps {

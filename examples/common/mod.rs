@@ -103,12 +103,12 @@ fn aim(shot: Res<Shot>, mut cameras: Query<(&mut RenderTarget, &mut Projection)>
 fn shoot(
     mut commands: Commands,
     mut shot: ResMut<Shot>,
-    status: Res<RadiosityStatus>,
+    status: Option<Res<RadiosityStatus>>,
     baked: Query<(), With<StaticLighting>>,
     displaced: Query<&DisplacementStatus>,
 ) {
     let is_raised = |d: &DisplacementStatus| !d.is_pending() && *d != DisplacementStatus::Idle;
-    let is_lit = baked.is_empty() || status.is_up_to_date();
+    let is_lit = baked.is_empty() || status.is_some_and(|status| status.is_up_to_date());
     if !is_lit || !displaced.iter().all(is_raised) {
         shot.settled = 0;
         return;

@@ -37,8 +37,8 @@ impl Plugin for FrescoPanelPlugin {
     }
 }
 
-/// Width of the window at first, in points.
-const WIDTH: f32 = 300.0;
+/// Of the window at first, in points.
+const SIZE: [f32; 2] = [300.0, 560.0];
 
 fn window(
     mut contexts: EguiContexts,
@@ -53,7 +53,7 @@ fn window(
     let mut still = open.0;
     egui::Window::new("Fresco")
         .open(&mut still)
-        .default_width(WIDTH)
+        .default_size(SIZE)
         .default_pos([8.0, 8.0])
         .vscroll(true)
         .show(context, |ui| panel.show(ui));
