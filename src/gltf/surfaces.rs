@@ -21,7 +21,8 @@ pub struct GltfSurfaces {
     pub document: Document,
     /// Those that the scene shows, in the order of the file.
     pub meshes: Vec<MeshSurface>,
-    /// Those that materials of these ask for, or why one cannot be had.
+    /// Those that materials of these ask for, or why one cannot be had; none if texture coordinates were asked for
+    /// by their set.
     pub displacements: Vec<Result<MaterialDisplacement, String>>,
     /// What in the file was left out or taken otherwise than it says, one sentence each.
     pub notes: Vec<String>,
@@ -164,8 +165,9 @@ impl Loader<'_> {
                 continue;
             };
             let material = typed.material.and_then(|m| self.root.get(m)?.name.clone());
-            let displacement =
-                (typed.material).and_then(|material| self.reliefs.of(material.value()));
+            // Images that nobody asks for are not read.
+            let asked = typed.material.filter(|_| self.uv_set.is_none());
+            let displacement = asked.and_then(|material| self.reliefs.of(material.value()));
             let own = displacement.and_then(|d| self.reliefs.found[d].as_ref().ok());
             let set = self.uv_set.or(own.map(|own| own.uv_set));
             let set = set.and_then(|set| usize::try_from(set).ok());
@@ -173,7 +175,7 @@ impl Loader<'_> {
                 Some(set) => geometry.uvs.swap_remove(set),
                 None => Vec::new(),
             };
-            if let (None, Some(own)) = (self.uv_set, own) {
+            if let Some(own) = own {
                 for uv in &mut uvs {
                     *uv = own.uv_transform.transform_point2(*uv);
                 }
