@@ -2,7 +2,11 @@
 //! `cargo run --features examples,panel --example your_scene -- FILE.glb`.
 //!
 //! Drag with the left button to turn, with the right one to move, roll the wheel to come nearer; F1 hides the panel.
-//! `--screenshot FILE` saves a picture without a window.
+//! Click with the middle button on a surface for what it sees, by form factors.
+//!
+//! `--save FILE.light_bake` bakes without a window and saves the light, for `LitBy`.
+//! `--view NAME` begins with one of the panel's views, `--edges` draws the edges of triangles, `--no-panel` hides the
+//! panel, and `--screenshot FILE` saves a picture without a window.
 
 #![expect(
     clippy::print_stderr,
@@ -18,12 +22,15 @@ use bevy::camera::primitives::Aabb;
 use bevy::gltf::GltfAssetLabel;
 use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll};
 use bevy::math::Vec3A;
+use bevy::pbr::wireframe::{WireframeConfig, WireframePlugin};
 use bevy::prelude::*;
 use bevy::world_serialization::WorldAssetRoot;
 use bevy_egui::input::egui_wants_any_pointer_input;
-use bevy_fresco::panel::FrescoPanelPlugin;
-use bevy_fresco::plugin::FrescoPlugins;
-use bevy_fresco::plugin::radiosity::{BakedLighting, StaticLighting};
+use bevy_fresco::panel::{FrescoPanelPlugin, PanelOpen};
+use bevy_fresco::plugin::radiosity::{
+    BakeState, BakedLighting, RadiosityGizmos, RadiosityStatus, StaticLighting,
+};
+use bevy_fresco::plugin::{FrescoPlugins, FrescoView, LightBake};
 
 /// Where the camera stands: around a point.
 #[derive(Component)]
@@ -38,12 +45,28 @@ struct Orbit {
 #[derive(Resource)]
 struct File(String);
 
+/// Where its light is to be saved.
+#[derive(Resource)]
+struct Save(PathBuf);
+
 fn main() -> AppExit {
     let mut rest = std::env::args().skip(1);
-    let mut file = None;
+    let (mut file, mut view, mut save) = (None, FrescoView::Shaded, None);
+    let (mut edges, mut panel) = (false, true);
     while let Some(argument) = rest.next() {
         match argument.as_str() {
             "--screenshot" => drop(rest.next()),
+            "--view" => match rest.next().as_deref().and_then(named) {
+                Some(chosen) => view = chosen,
+                None => {
+                    let names = FrescoView::ALL.map(|(view, _)| name_of(view));
+                    eprintln!("--view needs one of {}", names.join(", "));
+                    return AppExit::error();
+                }
+            },
+            "--edges" => edges = true,
+            "--no-panel" => panel = false,
+            "--save" => save = rest.next().map(PathBuf::from),
             _ => file = Some(PathBuf::from(argument)),
         }
     }
@@ -60,25 +83,51 @@ fn main() -> AppExit {
         file_path: folder.unwrap_or_default(),
         ..default()
     };
-    App::new()
-        .add_plugins((
-            common::default_plugins("Your scene").set(assets),
-            FrescoPlugins,
-            FrescoPanelPlugin,
-        ))
-        .insert_resource(GlobalAmbientLight::NONE)
-        .insert_resource(File(name.display().to_string()))
-        .add_systems(Startup, setup)
-        .add_systems(
-            Update,
-            (
-                one_camera,
-                look_at_all,
-                turn.run_if(not(egui_wants_any_pointer_input)),
-            )
-                .chain(),
+    let plugins = match save {
+        Some(_) => common::without_window(),
+        None => common::default_plugins("Your scene"),
+    };
+    let mut app = App::new();
+    if let Some(path) = save {
+        app.insert_resource(Save(path))
+            .add_systems(Last, save_light);
+    }
+    app.add_plugins((
+        plugins.set(assets),
+        FrescoPlugins,
+        FrescoPanelPlugin,
+        WireframePlugin::default(),
+    ))
+    .insert_resource(view)
+    .insert_resource(PanelOpen(panel))
+    .insert_resource(WireframeConfig {
+        global: edges,
+        ..default()
+    })
+    .insert_resource(GlobalAmbientLight::NONE)
+    .insert_resource(File(name.display().to_string()))
+    .add_systems(Startup, setup)
+    .add_systems(
+        Update,
+        (
+            one_camera,
+            look_at_all,
+            turn.run_if(not(egui_wants_any_pointer_input)),
+            pick.run_if(not(egui_wants_any_pointer_input)),
         )
-        .run()
+            .chain(),
+    )
+    .run()
+}
+
+/// What the command line calls a view.
+fn name_of(view: FrescoView) -> String {
+    format!("{view:?}").to_lowercase()
+}
+
+fn named(name: &str) -> Option<FrescoView> {
+    let mut all = FrescoView::ALL.into_iter().map(|(view, _)| view);
+    all.find(|view| name_of(*view) == name)
 }
 
 fn setup(mut commands: Commands, assets: Res<AssetServer>, file: Res<File>) {
@@ -91,6 +140,29 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, file: Res<File>) {
         pitch: -0.35,
     };
     commands.spawn((Camera3d::default(), orbit));
+}
+
+/// Saves the light as soon as it is there.
+fn save_light(world: &mut World) {
+    let status = world.resource::<RadiosityStatus>();
+    let is_over = status.is_up_to_date() || status.state == BakeState::Stopped;
+    let mut roots = world.query_filtered::<Entity, With<StaticLighting>>();
+    let Ok(root) = roots.single(world) else {
+        return;
+    };
+    if !is_over {
+        return;
+    }
+    let path = world.resource::<Save>().0.clone();
+    let saved = LightBake::of(world, root).map_err(|e| e.to_string());
+    let exit = match saved.and_then(|bake| bake.write(&path).map_err(|e| e.to_string())) {
+        Ok(()) => AppExit::Success,
+        Err(problem) => {
+            eprintln!("{}: {problem}", path.display());
+            AppExit::error()
+        }
+    };
+    world.write_message(exit);
 }
 
 /// Cameras of the file stay off.
@@ -133,6 +205,24 @@ fn look_at_all(
         }
     }
     *done = true;
+}
+
+/// Shows the form factors of what was clicked on.
+fn pick(
+    buttons: Res<ButtonInput<MouseButton>>,
+    windows: Query<&Window>,
+    cameras: Query<(&Camera, &GlobalTransform), With<Orbit>>,
+    mut gizmos: ResMut<RadiosityGizmos>,
+) {
+    if !buttons.just_pressed(MouseButton::Middle) {
+        return;
+    }
+    let cursor = windows.iter().find_map(Window::cursor_position);
+    for (camera, place) in &cameras {
+        if let Some(ray) = cursor.and_then(|at| camera.viewport_to_world(place, at).ok()) {
+            gizmos.form_factors = Some(ray);
+        }
+    }
 }
 
 fn turn(

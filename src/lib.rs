@@ -97,6 +97,8 @@ pub mod bump;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod displacement;
+#[cfg(any(feature = "gltf", feature = "bevy"))]
+mod file;
 #[cfg(feature = "gltf")]
 pub mod gltf;
 pub mod height_map;

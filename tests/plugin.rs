@@ -11,5 +11,9 @@ mod displaced;
 mod displaced_light;
 #[path = "plugin/life.rs"]
 mod life;
+#[path = "plugin/light_bake.rs"]
+mod light_bake;
+#[path = "plugin/views.rs"]
+mod views;
 #[path = "plugin/world.rs"]
 mod world;

@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::displace::DisplaceArgs;
 use super::height::HeightArgs;
 use super::method::MethodArgs;
-use crate::radiosity::{BakeSettings, DirectLight};
+use crate::radiosity::{BakeSettings, Contribution, DirectLight};
 
 /// Bakes the diffuse light of glTF scenes into their vertices, makes height maps from photos, and raises
 /// meshes by them.
@@ -173,6 +173,9 @@ pub(super) struct SettingsArgs {
     /// to add in real time
     #[arg(long, value_enum, default_value = "baked", help_heading = "Light")]
     direct: Direct,
+    /// Part of the light to store: all of it, what comes straight from where it is made, or what surfaces reflected
+    #[arg(long, value_enum, default_value = "all", help_heading = "Light")]
+    contribution: Part,
     /// cd/m² of a surface whose emission in the file is 1, 0 or more. Bevy's default camera shows such a surface as
     /// bright as 998 cd/m² of lamplight: say so for scenes that have both kinds of light
     #[arg(long, value_name = "GAIN", value_parser = not_negative, default_value = "1",
@@ -212,6 +215,26 @@ pub(super) enum Direct {
     Realtime,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Part {
+    /// Direct and indirect light
+    All,
+    /// Light of lights, emissive surfaces and sky that no surface reflected
+    Direct,
+    /// Light that surfaces reflected at least once
+    Indirect,
+}
+
+impl From<Part> for Contribution {
+    fn from(part: Part) -> Self {
+        match part {
+            Part::All => Self::All,
+            Part::Direct => Self::Direct,
+            Part::Indirect => Self::Indirect,
+        }
+    }
+}
+
 impl SettingsArgs {
     /// The preset with everything that was given in its place.
     pub(super) fn settings(&self) -> BakeSettings {
@@ -237,7 +260,9 @@ impl SettingsArgs {
             max_reflectance: self.max_reflectance.unwrap_or(preset.max_reflectance),
             seed: self.seed.unwrap_or(preset.seed),
             form_factors: self.method.form_factors(self.preset),
+            contribution: self.contribution.into(),
             directional: self.directional,
+            vertex_quality: false,
             sample_emitters: !self.method.no_emitter_sampling,
             solver: self.method.solver(),
             max_memory: self.max_memory.unwrap_or(preset.max_memory),

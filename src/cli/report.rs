@@ -81,6 +81,7 @@ fn settings(settings: &BakeSettings, args: &BakeArgs) -> Value {
             DirectLight::Baked => "baked",
             DirectLight::Realtime => "realtime",
         },
+        "contribution": format!("{:?}", settings.contribution).to_lowercase(),
         "encoding": if args.results.vertex_colors { "vertex_colors" } else { "attribute" },
         "sky": args.settings.sky.unwrap_or_default().to_array(),
     })

@@ -1,10 +1,7 @@
-use std::{
-    fs,
-    io::{self, Write},
-    path::{Path, PathBuf},
-};
+use std::path::Path;
 
 use super::GltfError;
+use crate::file;
 
 /// Writes a file as a whole or not at all.
 ///
@@ -13,55 +10,16 @@ use super::GltfError;
 /// was. An existing file keeps its permissions; a link stays a link, and the file it leads to is
 /// replaced.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), GltfError> {
-    try_write(path, bytes).map_err(|source| GltfError::Write {
+    file::write(path, bytes).map_err(|source| GltfError::Write {
         path: path.to_owned(),
         source,
     })
 }
 
-fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let (target, existing) = match fs::canonicalize(path) {
-        Ok(target) => {
-            let metadata = fs::metadata(&target)?;
-            (target, Some(metadata))
-        }
-        Err(_) => (path.to_owned(), None),
-    };
-    if let Some(metadata) = &existing {
-        if metadata.is_dir() {
-            return Err(io::Error::from(io::ErrorKind::IsADirectory));
-        }
-        if !metadata.is_file() {
-            // A device or pipe must not be replaced by a file.
-            return fs::write(&target, bytes);
-        }
-    }
-    let folder = match target.parent() {
-        Some(folder) if folder != Path::new("") => folder.to_owned(),
-        _ => PathBuf::from("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".fresco-").suffix(".tmp");
-    // Temporary files are private by default; this one becomes a normal file.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(&folder)?;
-    file.write_all(bytes)?;
-    if let Some(metadata) = existing {
-        file.as_file().set_permissions(metadata.permissions())?;
-    }
-    file.as_file().sync_all()?;
-    file.persist(&target).map_err(|error| error.error)?;
-    // The new name survives a power cut once the folder is on the disk too. Not all systems can do
-    // that, and the file is whole either way.
-    if let Ok(folder) = fs::File::open(&folder) {
-        folder.sync_all().ok();
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn names(folder: &Path) -> Vec<String> {

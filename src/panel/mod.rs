@@ -20,6 +20,7 @@
 //! | file | section |
 //! |---|---|
 //! | `status` | what is being done, how far, and the buttons |
+//! | `view` | what surfaces show |
 //! | `settings` | how the bake is done |
 //! | `scene` | lights and materials |
 //! | `results` | times, errors, the solver's residuals, memory |
@@ -33,6 +34,7 @@ mod results;
 mod scene;
 mod settings;
 mod status;
+mod view;
 
 pub use plugin::{FrescoPanel, FrescoPanelPlugin, PanelOpen};
 

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use bevy_egui::egui;
 
 use super::FrescoPanel;
+use crate::plugin::FrescoView;
 use crate::plugin::radiosity::{
     BakeState, CancelBake, NotBaked, RadiositySettings, RadiosityStatus, Rebake, StaticLighting,
 };
@@ -31,6 +32,7 @@ impl Desk {
         world.init_resource::<RadiosityStatus>();
         world.init_resource::<RadiositySettings>();
         world.init_resource::<Asked>();
+        world.init_resource::<FrescoView>();
         world.init_resource::<Assets<StandardMaterial>>();
         world.add_observer(|rebake: On<Rebake>, mut asked: ResMut<Asked>| {
             asked.rebakes.push(rebake.from_scratch);
@@ -171,6 +173,16 @@ fn a_click_on_a_preset_takes_it() {
     assert_eq!(desk.settings().bake, BakeSettings::FINAL);
     desk.click("Bake when something changes");
     assert!(!desk.settings().automatic);
+}
+
+#[test]
+fn another_view_is_chosen_from_a_list() {
+    let mut desk = Desk::new();
+    desk.click("Shaded");
+    desk.click("Sampling error");
+    let view = *desk.world.resource::<FrescoView>();
+    assert_eq!(view, FrescoView::Error);
+    assert!(desk.shows("green: as asked"));
 }
 
 #[test]

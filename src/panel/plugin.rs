@@ -8,6 +8,7 @@ use super::results;
 use super::scene::{Lights, Materials};
 use super::settings;
 use super::status;
+use super::view::View;
 use crate::plugin::radiosity::{RadiositySettings, RadiosityStatus};
 
 /// Shows a [`FrescoPanel`] in a window of its own, over the camera that `bevy_egui` draws on. Adds its
@@ -84,6 +85,7 @@ pub struct FrescoPanel<'w, 's> {
     materials: Materials<'w, 's>,
     relief: Relief<'w, 's>,
     notes: Notes<'w, 's>,
+    view: View<'w>,
 }
 
 impl std::fmt::Debug for FrescoPanel<'_, '_> {
@@ -101,6 +103,7 @@ impl FrescoPanel<'_, '_> {
             return;
         };
         status::show(ui, status, &mut self.commands);
+        self.view.show(ui);
         ui.separator();
         if let Some(settings) = &mut self.settings {
             section(ui, "Settings", false, |ui| settings::show(ui, settings));

@@ -1,8 +1,9 @@
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
+use super::light_bake;
 use super::material::drawn_forward;
-use super::radiosity::StaticLighting;
+use super::radiosity::{LightBaking, StaticLighting};
 use super::{ATTRIBUTE_BAKED_LIGHT, FrescoExtension, FrescoMaterial, FrescoMaterialPlugin};
 
 /// On the root of a scene whose meshes were loaded with baked light: shows it. Nothing is baked for that.
@@ -28,7 +29,8 @@ use super::{ATTRIBUTE_BAKED_LIGHT, FrescoExtension, FrescoMaterial, FrescoMateri
 /// ```
 ///
 /// Below it, each `MeshMaterial3d<StandardMaterial>` on a mesh with [`ATTRIBUTE_BAKED_LIGHT`] becomes a
-/// [`FrescoMaterial`] of the same look, and lights keep their diffuse part off these meshes, which have it already.
+/// [`FrescoMaterial`] of the same look, and lights keep their diffuse part off these meshes, which have it already:
+/// those with a [`LightBaking`] if that is `Full`, others by [`direct`](Self::direct).
 /// What the plugin for radiosity bakes ([`StaticLighting`]) is left to it.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
@@ -62,6 +64,7 @@ impl Plugin for BakedScenePlugin {
         if !app.is_plugin_added::<FrescoMaterialPlugin>() {
             app.add_plugins(FrescoMaterialPlugin);
         }
+        light_bake::plugin(app);
         app.register_type::<BakedScene>().add_systems(
             Update,
             (show_light, keep_lights_off).run_if(any_with_component::<BakedScene>),
@@ -141,12 +144,19 @@ fn keep_lights_off(
     mut points: Query<(Entity, &mut PointLight)>,
     mut spots: Query<(Entity, &mut SpotLight)>,
     mut suns: Query<(Entity, &mut DirectionalLight)>,
+    told: Query<&LightBaking>,
     new_marks: Query<(), Added<BakedScene>>,
     marks: Query<(Option<&BakedScene>, Has<StaticLighting>)>,
     parents: Query<&ChildOf>,
 ) {
     let any_new = !new_marks.is_empty();
-    let is_baked = |entity| mark_of(entity, &marks, &parents).is_some_and(|mark| mark.direct);
+    let is_baked = |entity| {
+        let mark = mark_of(entity, &marks, &parents);
+        mark.is_some_and(|mark| match told.get(entity) {
+            Ok(told) => *told == LightBaking::Full,
+            Err(_) => mark.direct,
+        })
+    };
     for (entity, mut light) in &mut points {
         if (any_new || light.is_added()) && is_baked(entity) {
             light.affects_lightmapped_mesh_diffuse = false;

@@ -17,6 +17,7 @@
 }
 #else
 #import bevy_pbr::{
+    mesh_view_bindings::view,
     forward_io::{VertexOutput, FragmentOutput},
     pbr_functions::main_pass_post_lighting_processing,
 }
@@ -147,7 +148,25 @@ fn fragment(
     } else {
         out.color = pbr_input.material.base_color;
     }
+#ifdef FRESCO_VIEW_IRRADIANCE
+    out.color = vec4(pbr_input.lightmap_light * view.exposure, pbr_input.material.base_color.a);
+#endif
+#ifdef FRESCO_VIEW_RADIOSITY
+    let reflectance = pbr_input.material.base_color.rgb * (1.0 - pbr_input.material.metallic);
+    out.color = vec4(
+        pbr_input.lightmap_light * view.exposure * reflectance + pbr_input.material.emissive.rgb,
+        pbr_input.material.base_color.a,
+    );
+#endif
     out.color = main_pass_post_lighting_processing(pbr_input, out.color);
+#ifdef FRESCO_VIEW_VALUES
+#ifdef VERTEX_BAKED_LIGHT
+    out.color = vec4(max(baked_light, vec3(0.0)), 1.0);
+#endif
+#endif
+#ifdef FRESCO_VIEW_NORMALS
+    out.color = vec4(pbr_input.N * 0.5 + vec3(0.5), 1.0);
+#endif
 #ifdef FRESCO_SHOW_NORMALS
     // For tests and for finding faults: nothing sets this by itself.
     out.color = vec4(pbr_input.N, pbr_input.material.perceptual_roughness);

@@ -11,7 +11,7 @@ use bevy::render::render_resource::{RenderPipelineDescriptor, SpecializedMeshPip
 use bevy::shader::ShaderDefVal;
 
 use super::bump::{self, ATTRIBUTE_U_GRADIENT, ATTRIBUTE_V_GRADIENT, Bump, BumpKey};
-use super::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT, shaders};
+use super::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT, FrescoView, shaders};
 
 /// [`StandardMaterial`] that shows what this crate makes of a surface: relief ([`Bump`]) and baked light.
 ///
@@ -233,6 +233,8 @@ impl Plugin for FrescoMaterialPlugin {
             shaders::plugin,
             bump::plugin,
         ))
+        .init_resource::<FrescoView>()
+        .register_type::<FrescoView>()
         .register_type::<FrescoExtension>()
         .register_asset_reflect::<FrescoMaterial>();
     }

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::quality::VertexQuality;
 use super::report::Report;
 use crate::mesh::RefinedMesh;
 
@@ -31,4 +32,7 @@ pub struct ObjectLight {
     /// of the mesh, also where light was put on the side that they point away from. Of a single
     /// far lamp it is the irradiance / π of a surface that faces it, times the unit vector towards it.
     pub gradient: Vec<Vec3>,
+    /// How sure the light of each vertex of that mesh is, if
+    /// [`BakeSettings::vertex_quality`](super::BakeSettings::vertex_quality) asks for it, else empty.
+    pub quality: Vec<VertexQuality>,
 }

@@ -2,6 +2,8 @@ use glam::Vec3;
 
 use super::bake::{BakeError, check};
 use super::baked::{Bake, ObjectLight};
+use super::cut;
+use super::element_light::ElementLight;
 use super::observer::Observer;
 use super::pipeline::run;
 use super::report::Work;
@@ -20,7 +22,8 @@ use super::validate::{SceneError, ValidScene};
 /// | a light's place or shape | its shadow rays |
 /// | what emits at all | shadow rays to emitters, rays that meet them |
 /// | an object, in place or shape | rays that start on it, met it, or pass where it is or was |
-/// | the settings | everything, but for those of the solver |
+/// | [`contribution`](BakeSettings::contribution), [`vertex_quality`](BakeSettings::vertex_quality) | the fit of vertices, without a ray |
+/// | other settings | everything, but for those of the solver |
 ///
 /// Objects and lights are told apart by their `key`, and whether they changed by comparing them: a
 /// scene may be handed over at any time, and one that is as it was costs no more than a look.
@@ -121,6 +124,28 @@ impl Baker {
         Ok(bake)
     }
 
+    /// The light of the elements that the last bake solved for, with its report; `None` before the first.
+    pub fn elements(&self) -> Option<ElementLight> {
+        let kept = self.kept.as_ref()?;
+        let stages = &kept.stages;
+        Some(ElementLight::new(
+            stages.cut_scene(&kept.scene),
+            &stages.elements,
+            stages.traced.clone(),
+            &stages.arrived,
+            &stages.solution,
+            kept.bake.report.clone(),
+        ))
+    }
+
+    /// The lines along which the last bake cut surfaces where others touch or cross them: both ends, in metres.
+    pub fn contacts(&self) -> Vec<[Vec3; 2]> {
+        let kept = self.kept.as_ref();
+        kept.map_or_else(Vec::new, |kept| {
+            cut::lines(kept.stages.cut_scene(&kept.scene))
+        })
+    }
+
     /// Bytes kept for the next bake.
     pub fn bytes(&self) -> u64 {
         self.kept.as_ref().map_or(0, |k| k.stages.bytes())
@@ -157,6 +182,8 @@ impl Kept {
             solver_tolerance: settings.solver_tolerance,
             max_sweeps: settings.max_sweeps,
             max_memory: settings.max_memory,
+            contribution: settings.contribution,
+            vertex_quality: settings.vertex_quality,
             ..self.settings.clone()
         };
         let area = self.stages.plan.layout.outgrown(scene, settings);
@@ -184,5 +211,6 @@ fn black(object: &super::scene::Object) -> ObjectLight {
         mesh: None,
         light: vec![Vec3::ZERO; receiving],
         gradient: Vec::new(),
+        quality: Vec::new(),
     }
 }

@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -155,4 +156,37 @@ fn cut_object(object: &Object, cut: &Cut) -> Object {
         name: object.name.clone(),
         ..*object
     }
+}
+
+/// The lines along which surfaces of a cut scene were cut, both ends in metres.
+pub(crate) fn lines(scene: &ValidScene) -> Vec<[Vec3; 2]> {
+    let mut lines = Vec::new();
+    for (object, cut) in scene.objects.iter().zip(&scene.cuts) {
+        let Some(cut) = cut else {
+            continue;
+        };
+        // Vertices on a line are there once for each side of it: only their places tell.
+        let mut sides: BTreeMap<[[u32; 3]; 2], ([u32; 2], bool)> = BTreeMap::new();
+        for triangle in &object.triangles {
+            for k in 0..3 {
+                let mut ends = [triangle[k], triangle[(k + 1) % 3]].map(|v| {
+                    let bits = object.positions[v as usize].to_array().map(f32::to_bits);
+                    (bits, cut.mesh.sides[v as usize])
+                });
+                ends.sort_unstable();
+                let own = ends.map(|(_, side)| side);
+                let (first, differs) = sides
+                    .entry(ends.map(|(bits, _)| bits))
+                    .or_insert((own, false));
+                *differs |= *first != own;
+            }
+        }
+        let cut_along = sides.into_iter().filter(|(_, (_, differs))| *differs);
+        let metres = |end: [u32; 3]| {
+            let point = Vec3::from(end.map(f32::from_bits)).as_dvec3();
+            (point * f64::from(scene.scale) + scene.center).as_vec3()
+        };
+        lines.extend(cut_along.map(|(ends, _)| ends.map(metres)));
+    }
+    lines
 }

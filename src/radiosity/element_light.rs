@@ -17,6 +17,7 @@ pub struct ElementLight {
     pub elements: Vec<Element>,
     /// What it cost and how good it is. Nothing in it is about vertices.
     pub report: Report,
+    triangles: Vec<ElementTriangle>,
     traced: Arc<Traced>,
 }
 
@@ -43,6 +44,19 @@ pub struct Element {
     pub radiosity: Vec3,
 }
 
+/// A flat part of an element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ElementTriangle {
+    /// Its place in [`ElementLight::elements`].
+    pub element: u32,
+    /// In metres, wound as the surface is.
+    pub corners: [Vec3; 3],
+    /// Unit normal of the element's side.
+    pub normal: Vec3,
+    /// Whether that is the back of the surface.
+    pub back: bool,
+}
+
 impl std::fmt::Debug for ElementLight {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         f.debug_struct("ElementLight")
@@ -61,12 +75,24 @@ impl ElementLight {
         solution: &Solution,
         report: Report,
     ) -> Self {
+        let metres =
+            |point: Vec3| (point.as_dvec3() * f64::from(scene.scale) + scene.center).as_vec3();
+        let triangles = |e: usize| {
+            let shape = elements.shape(scene, ElementId(e as u32));
+            shape.map(move |(_, corners, normal)| ElementTriangle {
+                element: e as u32,
+                corners: corners.map(metres),
+                normal,
+                back: elements.is_back(e),
+            })
+        };
+        let triangles = (0..elements.len()).flat_map(triangles).collect();
         let objects = (0..scene.objects.len()).flat_map(|o| elements.of_object(o).map(move |_| o));
         let element = |(e, o): (usize, usize)| {
             let (center, normal) = elements.middle(scene, ElementId(e as u32));
             Element {
                 object: ObjectId(o as u32),
-                center: (center.as_dvec3() * f64::from(scene.scale) + scene.center).as_vec3(),
+                center: metres(center),
                 normal,
                 area: elements.area[e] * scene.scale * scene.scale,
                 reflectance: elements.reflectance[e],
@@ -79,8 +105,14 @@ impl ElementLight {
         Self {
             elements: objects.enumerate().map(element).collect(),
             report,
+            triangles,
             traced,
         }
+    }
+
+    /// The flat parts of all elements, those of an element one after the other.
+    pub fn triangles(&self) -> &[ElementTriangle] {
+        &self.triangles
     }
 
     /// The form factor from element `i` to element `j`: the share of the light leaving `i` that

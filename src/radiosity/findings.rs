@@ -31,7 +31,10 @@ pub(crate) struct Findings<'a> {
     /// Direct light at each element.
     pub(crate) arrived: &'a [Vec3],
     pub(crate) solution: &'a Solution,
+    /// Errors of elements, beside all light.
     pub(crate) error: SamplingError,
+    /// How many times as much they are beside the light of vertices, which may be a part of it.
+    pub(crate) enlarged: f32,
     pub(crate) stages: &'a [(Stage, Duration)],
     pub(crate) work: Work,
     pub(crate) occluder_bytes: u64,
@@ -73,7 +76,9 @@ impl Findings<'_> {
     }
 
     fn sampling_error(&self, vertices: &VertexFindings) -> f32 {
-        COVER * (vertices.pass.fitted.smoothing.sampling_error).hypot(self.error.vertices)
+        COVER
+            * (vertices.pass.fitted.smoothing.sampling_error)
+                .hypot(self.enlarged * self.error.vertices)
     }
 
     /// How far off the vertices' light is, by source.
@@ -82,7 +87,7 @@ impl Findings<'_> {
             return ErrorEstimate::new(
                 0.0,
                 self.sampling_error(vertices),
-                self.error.cells,
+                self.enlarged * self.error.cells,
                 self.solver_error(),
             );
         };
@@ -90,14 +95,19 @@ impl Findings<'_> {
         let found = control.found.bound() as f32;
         let by_chance = vertices.pass.fitted.smoothing.sampling_error.min(found);
         let meshing = (found * found - by_chance * by_chance).max(0.0).sqrt();
-        let sampling = by_chance.hypot(COVER * self.error.vertices);
-        ErrorEstimate::new(meshing, sampling, self.error.cells, self.solver_error())
+        let sampling = by_chance.hypot(COVER * self.enlarged * self.error.vertices);
+        ErrorEstimate::new(
+            meshing,
+            sampling,
+            self.enlarged * self.error.cells,
+            self.solver_error(),
+        )
     }
 
     fn solver_error(&self) -> f32 {
         let mean = self.elements.mean_of(&self.solution.arriving);
         if mean > 0.0 {
-            (self.solution.report.error_bound / mean) as f32
+            self.enlarged * (self.solution.report.error_bound / mean) as f32
         } else {
             0.0
         }
@@ -105,7 +115,8 @@ impl Findings<'_> {
 
     /// What the light of elements adds to the error of vertices.
     pub(crate) fn error_of_elements(&self) -> f64 {
-        let noise = (COVER * self.error.vertices).hypot(self.error.cells);
+        let noise =
+            (COVER * self.enlarged * self.error.vertices).hypot(self.enlarged * self.error.cells);
         f64::from(noise.hypot(self.solver_error()))
     }
 

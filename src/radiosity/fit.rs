@@ -6,6 +6,7 @@ use super::gradient::bounded;
 use super::kind::{ByKind, Kind};
 use super::level::Level;
 use super::parallel::Cancelled;
+use super::quality::VertexQuality;
 use super::receivers::Receivers;
 
 /// Vertex light fitted to the samples.
@@ -17,6 +18,8 @@ pub(crate) struct Fit {
     pub(crate) gathered: Vec<Vec3>,
     /// Its gradient, if that is asked for.
     pub(crate) gradient: Option<Vec<Vec3>>,
+    /// How sure each is, if that is asked for.
+    pub(crate) quality: Option<Vec<VertexQuality>>,
     /// Area-weighted mean luminance.
     pub(crate) mean: f32,
     /// Unknowns without a sample of their own, filled along the mesh.
@@ -29,7 +32,7 @@ pub(crate) struct Fit {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Smoothing {
     /// How strongly neighbouring vertices are pulled together.
-    lambda: ByKind<f32>,
+    pub(crate) lambda: ByKind<f32>,
     /// Relative RMS of the difference of two fits to half the samples each, halved: the error
     /// that chance leaves in the whole.
     pub(crate) sampling_error: f32,
@@ -151,6 +154,7 @@ pub(crate) fn fit(
         light: whole,
         gathered,
         gradient: None,
+        quality: None,
         dark,
     })
 }
@@ -325,7 +329,7 @@ fn squared_error(triangles: &[TriangleSamples], light: &[Vec3], half: usize) -> 
 }
 
 /// Vertex values for some of the half-sets and one kind of light.
-fn solve(
+pub(crate) fn solve(
     triangles: &[TriangleSamples],
     unknowns: usize,
     halves: &[usize],

@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::ops::AddAssign;
 use std::sync::Arc;
 
@@ -5,6 +6,7 @@ use glam::{Vec3, Vec3A};
 
 use super::bounds::Reach;
 use super::color::luminance;
+use super::contribution::Contribution;
 use super::element::Elements;
 use super::emitter::Emitters;
 use super::form_factor::{BLACK, GONE, SKY};
@@ -354,25 +356,35 @@ impl TriangleSamples {
 pub(crate) struct Shining<'a> {
     /// What leaves each spot, but for what is sampled.
     seen: Vec<Vec3A>,
-    elements: &'a Elements,
-    reflected: &'a [Vec3A],
-    lights: &'a [Light],
-    sky: Vec3,
+    /// What each element emits and reflects.
+    emission: Cow<'a, [Vec3]>,
+    reflected: Cow<'a, [Vec3A]>,
+    pub(crate) lights: &'a [Light],
+    pub(crate) sky: Vec3,
     /// Rays of a sample.
     rays: usize,
 }
 
 impl<'a> Shining<'a> {
+    /// As much of it as `contribution` asks for.
     pub(crate) fn new(
         elements: &'a Elements,
         reflected: &'a [Vec3A],
         (lights, sky): (&'a [Light], Vec3),
-        rays: u32,
+        (contribution, rays): (Contribution, u32),
     ) -> Self {
-        let leaves = |e: usize| reflected[e] + Vec3A::from(elements.emission[e]);
+        let (emission, lights, sky) = match contribution.has_direct() {
+            true => (Cow::Borrowed(&*elements.emission), lights, sky),
+            false => (vec![Vec3::ZERO; elements.len()].into(), &[][..], Vec3::ZERO),
+        };
+        let reflected = match contribution.has_indirect() {
+            true => Cow::Borrowed(reflected),
+            false => vec![Vec3A::ZERO; elements.len()].into(),
+        };
+        let leaves = |e: usize| reflected[e] + Vec3A::from(emission[e]);
         Self {
             seen: elements.spread(&(0..reflected.len()).map(leaves).collect::<Vec<_>>()),
-            elements,
+            emission,
             reflected,
             lights,
             sky,
@@ -390,7 +402,7 @@ impl<'a> Shining<'a> {
 
     /// So much of what an element emits and reflects.
     fn shares(&self, e: usize, [emitted, reflected]: [f32; 2]) -> Vec3 {
-        self.elements.emission[e] * emitted + Vec3::from(self.reflected[e]) * reflected
+        self.emission[e] * emitted + Vec3::from(self.reflected[e]) * reflected
     }
 
     /// What is sampled of an element.
@@ -398,7 +410,7 @@ impl<'a> Shining<'a> {
         if from.are_reflectors() {
             self.reflected[element as usize].into()
         } else {
-            self.elements.emission[element as usize]
+            self.emission[element as usize]
         }
     }
 
@@ -418,7 +430,7 @@ impl<'a> Shining<'a> {
             while let Some(m) = met.next_if(|m| (m.ray as usize) < end) {
                 let e = m.element as usize;
                 sum += self.reflected[e] * m.reflected;
-                sum += Vec3A::from(self.elements.emission[e]) * m.emitted;
+                sum += Vec3A::from(self.emission[e]) * m.emitted;
             }
             if sample.cast == 0 {
                 samples.invalid += 1;
@@ -477,7 +489,7 @@ impl<'a> Shining<'a> {
         };
         self.of_lights(&light.lights, &mut add);
         for (e, share) in light.emitters.iter() {
-            add(share, self.elements.emission[*e as usize]);
+            add(share, self.emission[*e as usize]);
         }
         for (e, share) in light.reflectors.iter() {
             add(share, self.reflected[*e as usize].into());
@@ -504,7 +516,7 @@ impl<'a> Shining<'a> {
         };
         self.of_lights(&gradients.lights, &mut add);
         for ((e, _), share) in light.emitters.iter().zip(&*gradients.emitters) {
-            add(share, self.elements.emission[*e as usize]);
+            add(share, self.emission[*e as usize]);
         }
         for ((e, _), share) in light.reflectors.iter().zip(&*gradients.reflectors) {
             add(share, self.reflected[*e as usize].into());

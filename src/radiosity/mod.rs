@@ -45,7 +45,9 @@
 //! | `cut` | surfaces cut where they touch or cross, before all else |
 //! | `receivers`, `refine` | vertices placed by the light: a coarse mesh for smooth light, a fine one inside it |
 //! | `gather`, `gathered`, `fit` | irradiance inside triangles, fitted by vertex values |
-//! | `gradient` | how it changes as the normal turns, for bumps |
+//! | `contribution` | which part of the light that is |
+//! | `quality` | how sure each vertex is |
+//! | `gradient` | how light changes as the normal turns, for bumps |
 //! | `first_look`, `surroundings` | where elements and rays are needed, by a coarse solution |
 //! | `element_error` | how far off elements of constant light are |
 //! | `sampling_error` | how far off chance leaves the light of elements |
@@ -69,6 +71,9 @@ mod bvh;
 mod cells;
 mod change;
 mod color;
+mod contribution;
+#[cfg(test)]
+mod contribution_test;
 mod cut;
 mod direct;
 mod element;
@@ -106,6 +111,7 @@ mod parallel;
 mod partial;
 mod pipeline;
 mod preview;
+mod quality;
 mod receiver_mesh;
 mod receivers;
 mod refine;
@@ -130,7 +136,8 @@ mod validate;
 pub use bake::{BakeError, bake, solve_elements};
 pub use baked::{Bake, ObjectLight};
 pub use baker::Baker;
-pub use element_light::{Element, ElementLight};
+pub use contribution::Contribution;
+pub use element_light::{Element, ElementLight, ElementTriangle};
 pub use estimate::{Estimate, estimate, estimate_counts};
 pub use form_factor::{FormFactors, point_to_polygon, polygon_to_polygon};
 pub use gradient::{local_gradients, reshade};
@@ -138,6 +145,7 @@ pub use light::{DirectLight, Light, LightKind};
 pub use observer::{Observer, Stage};
 pub use partial::PartialLight;
 pub use preview::{Camera, Picture, PreviewSettings, Projection, preview};
+pub use quality::{VertexQuality, VertexSource};
 pub use report::{
     Counts, EnergyBalance, ErrorEstimate, FormFactorReport, Report, SolverReport, Stopped, Work,
 };

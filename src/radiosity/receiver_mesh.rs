@@ -54,6 +54,7 @@ impl ReceiverMeshes {
             .map(|mesh| ObjectLight {
                 light: mesh.unknown.iter().map(of).collect(),
                 gradient: Vec::new(),
+                quality: Vec::new(),
                 mesh: mesh.result.clone(),
             })
             .collect()

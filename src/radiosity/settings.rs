@@ -1,3 +1,4 @@
+use super::contribution::Contribution;
 use super::form_factor::FormFactors;
 use super::solve::Solver;
 
@@ -55,9 +56,14 @@ pub struct BakeSettings {
     /// rays. Without it lamps are left to be found by form factors and gathering rays, the way of
     /// the first radiosity programs, which takes a hundred times as many for the same error.
     pub sample_emitters: bool,
+    /// Which part of the light goes into vertices.
+    pub contribution: Contribution,
     /// Whether each vertex also gets the [gradient](super::ObjectLight::gradient) of its light, so that
     /// bumps can be shaded by it. Takes 10 to 20 % more time, the same rays, and 12 bytes a vertex.
     pub directional: bool,
+    /// Whether each vertex also gets its [quality](super::ObjectLight::quality): how sure its light is. Takes four
+    /// more fits, and 12 bytes a vertex.
+    pub vertex_quality: bool,
     /// How the linear system is solved.
     pub solver: Solver,
     /// The solver stops when the residual's bound on the error, relative to the mean, is below this.
@@ -90,7 +96,9 @@ impl BakeSettings {
         samples_per_vertex: 6.0,
         emitter_rays: 8,
         sample_emitters: true,
+        contribution: Contribution::All,
         directional: false,
+        vertex_quality: false,
         solver: Solver::GaussSeidelMeanField,
         solver_tolerance: 1e-2,
         max_sweeps: 100,
@@ -146,6 +154,16 @@ pub struct InvalidSetting {
 }
 
 impl BakeSettings {
+    /// Whether the light of elements is solved for the same way.
+    pub(crate) fn same_solution(&self, other: &Self) -> bool {
+        let same = Self {
+            contribution: other.contribution,
+            vertex_quality: other.vertex_quality,
+            ..self.clone()
+        };
+        same == *other
+    }
+
     /// Rays from each element; none where form factors are not made of rays.
     pub(crate) fn rays_of_element(&self) -> u32 {
         match self.form_factors {

@@ -139,6 +139,7 @@ pub(crate) fn light(count: usize) -> ObjectLight {
             .map(|i| Vec3::new(i as f32, 0.5, 100.25))
             .collect(),
         gradient: Vec::new(),
+        quality: Vec::new(),
     }
 }
 

@@ -24,6 +24,7 @@ fn even(light: [f32; 3]) -> ObjectLight {
         mesh: None,
         light: vec![light.into(); 3],
         gradient: Vec::new(),
+        quality: Vec::new(),
     }
 }
 

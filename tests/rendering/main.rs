@@ -12,6 +12,7 @@ mod deformed;
 mod directional;
 mod displaced;
 mod double_light;
+mod fresco_views;
 mod like_bevys_lightmap;
 mod other_devices;
 mod parallax;

@@ -24,7 +24,7 @@ use bevy::render::{RenderPlugin, view::Msaa};
 use bevy::shader::Shader;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
-use bevy_fresco::plugin::{DisplacementPlugin, FrescoMaterialPlugin};
+use bevy_fresco::plugin::{DisplacementPlugin, FrescoMaterialPlugin, FrescoView};
 
 use crate::bumps::PrepassNormals;
 use crate::picture::Picture;
@@ -60,10 +60,11 @@ pub(crate) fn on_stage<R: Send + 'static>(
     let (sender, receiver) = channel::<Result<R, Box<dyn Any + Send>>>();
     let job: Job = Box::new(move |stage| {
         let done = catch_unwind(AssertUnwindSafe(|| work(stage)));
+        stage.show_view(FrescoView::Shaded);
         stage.clear();
         stage.size = SIZE;
         stage.expected_errors = &[];
-        stage.show_normals(false);
+        stage.shown = None;
         let _ = sender.send(done);
     });
     jobs.lock().unwrap().send(job).unwrap();
@@ -80,6 +81,9 @@ pub(crate) struct Stage {
     pub(crate) size: u32,
     /// Errors that are logged with one of these in them are meant to be.
     pub(crate) expected_errors: &'static [&'static str],
+    /// What our shaders show in the place of light, by its definition, in the next picture. They are left at that
+    /// until a picture wants something else: making pipelines takes longer than drawing.
+    shown: Option<&'static str>,
 }
 
 #[derive(Resource, Default)]
@@ -122,22 +126,36 @@ impl Stage {
             app,
             size: SIZE,
             expected_errors: &[],
+            shown: None,
         }
     }
 
     /// Whether our shaders show normals, and the roughness as alpha, in the place of light.
     pub(crate) fn show_normals(&mut self, show: bool) {
-        self.show_instead(show.then_some("FRESCO_SHOW_NORMALS"));
+        self.shown = show.then_some("FRESCO_SHOW_NORMALS");
+    }
+
+    /// Has surfaces show something else than their look.
+    pub(crate) fn show_view(&mut self, view: FrescoView) {
+        self.app
+            .world_mut()
+            .resource_mut::<FrescoView>()
+            .set_if_neq(view);
     }
 
     /// Has our shaders show what parallax shifts texture coordinates by, the depth of what is seen, and as alpha how
     /// many texels were read to find it.
     pub(crate) fn show_parallax(&mut self) {
-        self.show_instead(Some("FRESCO_SHOW_PARALLAX"));
+        self.shown = Some("FRESCO_SHOW_PARALLAX");
     }
 
-    /// Has our shaders show something in the place of light.
-    fn show_instead(&mut self, shown: Option<&str>) {
+    /// Has our shaders show what the next picture is of.
+    fn set_shaders(&mut self) {
+        if *self.app.world().resource::<FrescoView>() != FrescoView::Shaded {
+            // The plugin sets them.
+            return;
+        }
+        let shown = self.shown;
         let mut shaders = self.app.world_mut().resource_mut::<Assets<Shader>>();
         let ours = |shader: &Shader| shader.path == "bevy_fresco/plugin/fragment.wgsl";
         let found = shaders.iter().find(|(_, shader)| ours(shader));
@@ -170,6 +188,7 @@ impl Stage {
         scene: impl FnOnce(&mut World),
     ) -> Picture {
         self.clear();
+        self.set_shaders();
         ERRORS.lock().unwrap().clear();
         WARNINGS.lock().unwrap().clear();
         let size = self.size;

@@ -69,6 +69,7 @@ fn put(
             baked.fingerprint = light.fingerprint;
             baked.source_version = light.source_version;
             baked.lit_version = light.lit_version;
+            baked.refinement = light.refinement;
             Some(baked.lit.id())
         }
         _ => {
@@ -80,6 +81,7 @@ fn put(
                 fingerprint: light.fingerprint,
                 source_version: light.source_version,
                 lit_version: light.lit_version,
+                refinement: light.refinement,
             });
             None
         }
@@ -148,6 +150,7 @@ fn adopt(meshes: &mut Assets<Mesh>, baked: &mut BakedLighting) {
     baked.source = meshes.add(source);
     baked.source_version = version;
     baked.lit_version = version;
+    baked.refinement = None;
 }
 
 fn show_source(meshes: &mut Assets<Mesh>, shown: &mut Mesh3d, baked: &mut BakedLighting) {
@@ -171,6 +174,7 @@ fn show_source(meshes: &mut Assets<Mesh>, shown: &mut Mesh3d, baked: &mut BakedL
             if meshes.insert(baked.lit.id(), copy).is_ok() {
                 baked.lit_version = version;
                 baked.source_version = version;
+                baked.refinement = None;
             }
         }
         _ => shown.0 = baked.source.clone(),

@@ -1,5 +1,8 @@
+use std::sync::Arc;
+
 use bevy::prelude::*;
 
+use crate::mesh::RefinedMesh;
 use crate::plugin::FrescoMaterial;
 
 /// Marks an entity, and all its descendants, as part of the baked scene.
@@ -90,6 +93,9 @@ pub struct BakedLighting {
     pub source: Handle<Mesh>,
     /// The copy with light.
     pub lit: Handle<Mesh>,
+    /// Where the source was split for it, if it was.
+    #[reflect(ignore)]
+    pub(in crate::plugin) refinement: Option<Arc<RefinedMesh>>,
     /// Tells the light of one bake from that of another.
     pub(super) fingerprint: u64,
     /// The version of the source that the copy was made of.

@@ -14,7 +14,8 @@ use super::status::{
     BakeFailed, BakeFinished, BakeStarted, BakeState, CancelBake, RadiosityStatus, Rebake,
 };
 use super::survey::{StaticWorld, Survey};
-use crate::radiosity::Report;
+use crate::plugin::FrescoView;
+use crate::radiosity::{Baker, Report};
 
 /// Where the plugin stands between the world and the bake.
 #[derive(Resource, Default)]
@@ -140,18 +141,21 @@ pub(super) fn watch(
     mut commands: Commands,
     mut bakery: ResMut<Bakery>,
     mut status: ResMut<RadiosityStatus>,
-    settings: Res<RadiositySettings>,
+    (settings, view): (Res<RadiositySettings>, Res<FrescoView>),
     world: StaticWorld,
     mut sources: Sources,
     time: Res<Time<Real>>,
 ) {
-    let mut survey = world.survey(&mut sources, &settings);
+    let mut settings = settings.clone();
+    view.ask(&mut settings.bake);
+    let mut survey = world.survey(&mut sources, &settings, *view);
     explain(&mut commands, &world, &mut survey);
     let now = time.elapsed();
     let (loading, empty) = (survey.loading, survey.objects.is_empty());
     bakery.see(survey.key, now);
     if !loading && bakery.is_due(now, empty, &settings) {
-        bakery.start(&mut commands, &mut status, survey, &settings, &world);
+        let how = (&settings, *view);
+        bakery.start(&mut commands, &mut status, survey, how, &world);
     }
     let state = bakery.state(loading, empty, &settings);
     if status.state != state {
@@ -177,6 +181,11 @@ fn explain(commands: &mut Commands, world: &StaticWorld, survey: &mut Survey) {
 }
 
 impl Bakery {
+    /// What the last bake kept; not while one runs.
+    pub(super) fn baker(&self) -> Option<&Baker> {
+        self.memory.baker()
+    }
+
     fn see(&mut self, key: u64, now: Duration) {
         let seen = self.seen.get_or_insert(Seen {
             key,
@@ -226,7 +235,7 @@ impl Bakery {
         commands: &mut Commands,
         status: &mut RadiosityStatus,
         survey: Survey,
-        settings: &RadiositySettings,
+        (settings, view): (&RadiositySettings, FrescoView),
         world: &StaticWorld,
     ) {
         let started = BakeStarted {
@@ -245,6 +254,7 @@ impl Bakery {
                 lights: survey.lights.iter().map(|l| world.name(l.entity)).collect(),
             },
             settings: settings.clone(),
+            view,
             from_scratch: asked.from_scratch,
             survey,
         };

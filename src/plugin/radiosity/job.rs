@@ -1,4 +1,4 @@
-use std::hash::{BuildHasher, Hasher};
+use std::hash::{BuildHasher, Hash, Hasher};
 use std::num::NonZero;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -13,8 +13,11 @@ use super::assets::mesh_version;
 use super::mesh_data::lit_mesh;
 use super::scene::{Names, extract};
 use super::settings::RadiositySettings;
+use super::shown::Shown;
 use super::survey::{FoundObject, Survey};
 use super::textures::Textures;
+use crate::mesh::RefinedMesh;
+use crate::plugin::FrescoView;
 use crate::radiosity::{BakeError, Baker, ObjectLight, Observer, Report, Stage, local_gradients};
 
 /// What to bake.
@@ -22,6 +25,7 @@ pub(super) struct Order {
     pub(super) survey: Survey,
     pub(super) names: Names,
     pub(super) settings: RadiositySettings,
+    pub(super) view: FrescoView,
     pub(super) from_scratch: bool,
 }
 
@@ -41,6 +45,8 @@ pub(super) struct NewLight {
     pub(super) source: AssetId<Mesh>,
     pub(super) source_version: u64,
     pub(super) mesh: Mesh,
+    /// Where the source was split for it, if it was.
+    pub(super) refinement: Option<Arc<RefinedMesh>>,
     /// Of the mesh without its light.
     pub(super) lit_version: u64,
     pub(super) fingerprint: u64,
@@ -160,6 +166,10 @@ impl Observer for Watch {
 }
 
 impl Memory {
+    pub(super) fn baker(&self) -> Option<&Baker> {
+        self.baker.as_ref()
+    }
+
     pub(super) fn bytes(&self) -> u64 {
         self.baker.as_ref().map_or(0, Baker::bytes)
     }
@@ -198,10 +208,12 @@ impl Memory {
         })?;
         bake.report.notes.extend(extracted.notes);
         bake.report.notes.extend(too_dark(bake.report.mean_light));
+        let elements = (self.baker.as_ref()).filter(|_| order.view == FrescoView::Elements);
+        let elements = elements.and_then(Baker::elements);
+        let shown = Shown::new(order.view, &bake, settings.error, elements);
         let objects = order.survey.objects.iter().zip(&extracted.triangles);
-        let lights = objects
-            .zip(&bake.objects)
-            .filter_map(|((object, triangles), light)| new_light(object, triangles, light));
+        let lights = (objects.zip(&bake.objects).enumerate())
+            .filter_map(|(o, (object, light))| new_light((o, object), light, &shown, order.view));
         Ok(Baked {
             lights: lights.collect(),
             report: bake.report,
@@ -254,39 +266,48 @@ fn too_dark(mean_light: f32) -> Option<String> {
 
 /// The lit mesh of an object, unless it carries this very light already.
 fn new_light(
-    object: &FoundObject,
-    triangles: &[[u32; 3]],
+    (o, (object, triangles)): (usize, (&FoundObject, &Vec<[u32; 3]>)),
     light: &ObjectLight,
+    shown: &Shown,
+    view: FrescoView,
 ) -> Option<NewLight> {
     if !object.effect.receives {
         return None;
     }
-    let fingerprint = fingerprint(object, light);
+    let fingerprint = fingerprint(object, light, view);
     if object.fingerprint == Some(fingerprint) {
         return None;
     }
-    // A mesh that is flattened to nothing has no gradient, and nothing to see.
-    let to_world = object.transform.matrix3.as_dmat3();
-    let gradient = local_gradients(to_world, &light.gradient).unwrap_or_default();
-    let mesh = lit_mesh(
-        &object.mesh.asset,
-        triangles,
-        light.mesh.as_deref(),
-        &light.light,
-        &gradient,
-    );
+    let mesh = shown.elements(o, object).unwrap_or_else(|| {
+        // A mesh that is flattened to nothing has no gradient, and nothing to see. Other values than light
+        // have none.
+        let to_world = object.transform.matrix3.as_dmat3();
+        let gradient = Some(&light.gradient).filter(|_| !view.replaces_light());
+        let gradient = gradient.and_then(|gradient| local_gradients(to_world, gradient));
+        lit_mesh(
+            &object.mesh.asset,
+            triangles,
+            light.mesh.as_deref(),
+            &shown.values(light),
+            &gradient.unwrap_or_default(),
+        )
+    });
     Some(NewLight {
         entity: object.entity,
         source: object.mesh_id,
         source_version: object.mesh.version,
         lit_version: mesh_version(&mesh),
         mesh,
+        refinement: light.mesh.clone(),
         fingerprint,
     })
 }
 
-fn fingerprint(object: &FoundObject, light: &ObjectLight) -> u64 {
+fn fingerprint(object: &FoundObject, light: &ObjectLight, view: FrescoView) -> u64 {
     let mut state = FixedHasher.build_hasher();
+    if view.replaces_light() {
+        view.hash(&mut state);
+    }
     state.write_u64(object.mesh.version);
     state.write_usize(light.mesh.as_ref().map_or(0, |m| m.triangles.len()));
     state.write_usize(light.gradient.len());

@@ -8,10 +8,11 @@ use bevy::prelude::*;
 use super::lights::FoundLight;
 use super::settings::RadiositySettings;
 use super::survey::{FoundObject, Survey};
+use crate::plugin::FrescoView;
 use crate::radiosity::{BakeSettings, DirectLight, LightKind, Solver};
 
 /// The key of a survey: of all that the bake reads, and of nothing else.
-pub(super) fn key(survey: &Survey, settings: &RadiositySettings) -> u64 {
+pub(super) fn key(survey: &Survey, settings: &RadiositySettings, view: FrescoView) -> u64 {
     let mut state = FixedHasher.build_hasher();
     for object in &survey.objects {
         hash_object(&mut state, object);
@@ -22,6 +23,9 @@ pub(super) fn key(survey: &Survey, settings: &RadiositySettings) -> u64 {
     hash_vector(&mut state, survey.sky);
     hash_floats(&mut state, &[settings.emissive_gain]);
     hash_settings(&mut state, &settings.bake);
+    if view.replaces_light() {
+        view.hash(&mut state);
+    }
     state.finish()
 }
 
@@ -86,7 +90,9 @@ fn hash_settings(state: &mut impl Hasher, bake: &BakeSettings) {
         samples_per_vertex,
         emitter_rays,
         sample_emitters,
+        contribution,
         directional,
+        vertex_quality,
         solver,
         solver_tolerance,
         max_sweeps,
@@ -104,7 +110,9 @@ fn hash_settings(state: &mut impl Hasher, bake: &BakeSettings) {
         seed,
     ];
     counts.hash(state);
-    (form_factors, refine, adapt, sample_emitters, directional).hash(state);
+    (form_factors, contribution).hash(state);
+    let flags = [refine, adapt, sample_emitters, directional, vertex_quality];
+    flags.hash(state);
     max_memory.hash(state);
     std::mem::discriminant(&solver).hash(state);
     if let Solver::Sor { omega } = solver {

@@ -182,7 +182,7 @@ fn singles<T: Copy>(v: &[T]) -> Vec<[T; 1]> {
 
 /// A copy of a mesh that carries light, and its gradient in the space of the mesh if there is one: refined
 /// first if the bake did so.
-pub(super) fn lit_mesh(
+pub(in crate::plugin) fn lit_mesh(
     source: &Mesh,
     triangles: &[[u32; 3]],
     refinement: Option<&RefinedMesh>,

@@ -19,14 +19,17 @@
 //! | `drive` | when a bake starts, and what is told of it |
 //! | `job` | the bake on its thread |
 //! | `scene`, `mesh_data`, `textures` | Bevy's data in the bake's terms |
+//! | `shown` | what meshes carry for a view in the place of light |
 //! | `apply` | light into meshes |
 //! | `diagnostics` | times and counts |
+//! | `gizmos` | lines that show how light was found |
 
 mod apply;
 pub(in crate::plugin) mod assets;
 mod components;
 mod diagnostics;
 mod drive;
+mod gizmos;
 mod inherit;
 mod job;
 mod key;
@@ -36,6 +39,7 @@ pub(in crate::plugin) mod mesh_data;
 mod plugin;
 mod scene;
 mod settings;
+mod shown;
 mod status;
 mod survey;
 mod textures;
@@ -44,6 +48,7 @@ pub use components::{
     BakedLighting, LightBaking, NoStaticLighting, NotBaked, OriginalMaterial, StaticLighting,
 };
 pub use diagnostics::RadiosityDiagnostics;
+pub use gizmos::RadiosityGizmos;
 pub use plugin::{RadiosityPlugin, RadiositySystems};
 pub use settings::{BakeSettingsReflect, RadiositySettings};
 pub use status::{

@@ -8,12 +8,13 @@ use super::components::{
     BakedLighting, LightBaking, NoStaticLighting, NotBaked, OriginalMaterial, StaticLighting,
 };
 use super::drive::Bakery;
+use super::gizmos::RadiosityGizmos;
 use super::settings::RadiositySettings;
 use super::status::{
     BakeFailed, BakeFinished, BakeStarted, BakeState, CancelBake, RadiosityStatus, Rebake,
 };
 use super::survey::VisibilityRule;
-use super::{apply, diagnostics, drive, inherit, material};
+use super::{apply, diagnostics, drive, gizmos, inherit, material};
 use crate::plugin::FrescoMaterialPlugin;
 
 /// Bakes the light of [`StaticLighting`] entities, and again when something changes.
@@ -57,6 +58,8 @@ impl Plugin for RadiosityPlugin {
             .register_type::<BakeFailed>()
             .register_type::<Rebake>()
             .register_type::<CancelBake>()
+            .register_type::<RadiosityGizmos>()
+            .init_resource::<RadiosityGizmos>()
             .init_resource::<RadiosityStatus>()
             .init_resource::<Bakery>()
             .init_resource::<Copies>()
@@ -105,6 +108,14 @@ impl Plugin for RadiosityPlugin {
                 .after(VisibilitySystems::VisibilityPropagate)
                 .after(AssetEventSystems)
                 .run_if(wanted),
+        )
+        .add_systems(
+            Update,
+            gizmos::draw.run_if(wanted.and_then(resource_exists::<RadiosityGizmos>)),
+        )
+        .add_systems(
+            Update,
+            gizmos::clear.run_if(not(resource_exists::<RadiosityGizmos>)),
         )
         .add_systems(PostUpdate, drive::stop.run_if(not(wanted)));
     }

@@ -3,7 +3,7 @@ use std::time::Duration;
 use bevy::prelude::*;
 use bevy::reflect::reflect_remote;
 
-use crate::radiosity::{BakeSettings, FormFactors, Solver};
+use crate::radiosity::{BakeSettings, Contribution, FormFactors, Solver};
 
 /// How and when the world's light is baked.
 ///
@@ -77,7 +77,10 @@ pub struct BakeSettingsReflect {
     pub samples_per_vertex: f32,
     pub emitter_rays: u32,
     pub sample_emitters: bool,
+    #[reflect(remote = ContributionReflect)]
+    pub contribution: Contribution,
     pub directional: bool,
+    pub vertex_quality: bool,
     #[reflect(remote = SolverReflect)]
     pub solver: Solver,
     pub solver_tolerance: f32,
@@ -103,6 +106,17 @@ pub enum FormFactorsReflect {
     AreaSampling {
         samples: u32,
     },
+}
+
+/// What reflection sees of [`Contribution`].
+#[reflect_remote(Contribution)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Default, Debug, Clone, PartialEq)]
+pub enum ContributionReflect {
+    #[default]
+    All,
+    Direct,
+    Indirect,
 }
 
 /// What reflection sees of [`Solver`].

@@ -12,8 +12,8 @@ use super::components::{BakedLighting, InEffect, NotBaked, OriginalMaterial, Sta
 use super::key::key;
 use super::lights::{FoundLight, Lights};
 use super::settings::RadiositySettings;
-use crate::plugin::FrescoMaterial;
 use crate::plugin::displacement::DisplacementStatus;
+use crate::plugin::{FrescoMaterial, FrescoView};
 
 /// All that the bake reads of the world.
 #[derive(SystemParam)]
@@ -107,7 +107,12 @@ pub(super) struct Images {
 
 impl StaticWorld<'_, '_> {
     /// Looks at everything static. Cheap enough for every frame: nothing is copied that is known.
-    pub(super) fn survey(&self, sources: &mut Sources, settings: &RadiositySettings) -> Survey {
+    pub(super) fn survey(
+        &self,
+        sources: &mut Sources,
+        settings: &RadiositySettings,
+        view: FrescoView,
+    ) -> Survey {
         let mut survey = Survey {
             lights: self.lights.find(*self.visibility),
             sky: self.sky(settings),
@@ -135,7 +140,7 @@ impl StaticWorld<'_, '_> {
         // The order of a query changes when entities get components.
         survey.objects.sort_unstable_by_key(|o| o.entity);
         survey.lights.sort_unstable_by_key(|l| l.entity);
-        survey.key = key(&survey, settings);
+        survey.key = key(&survey, settings, view);
         survey
     }
 

@@ -83,7 +83,8 @@ fn by_bevy(path: &'static str) -> Scene {
             .world_mut()
             .run_system_cached(
                 |world: StaticWorld, mut sources: Sources, settings: Res<RadiositySettings>| {
-                    let survey = world.survey(&mut sources, &settings);
+                    let view = crate::plugin::FrescoView::Shaded;
+                    let survey = world.survey(&mut sources, &settings, view);
                     assert!(survey.to_tell.is_empty(), "{:?}", survey.to_tell);
                     if survey.loading || survey.objects.is_empty() {
                         return None;

@@ -222,7 +222,7 @@ impl Run<'_> {
                 && self
                     .start
                     .before
-                    .is_some_and(|b| b.settings == self.settings);
+                    .is_some_and(|b| b.settings.same_solution(self.settings));
             if same && old.solution.report.converged {
                 return Ok(old.solution.clone());
             }

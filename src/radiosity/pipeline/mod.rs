@@ -188,7 +188,7 @@ impl<'a> Run<'a> {
             elements,
             &solved.solution.reflected,
             (&self.scene.lights, self.scene.sky),
-            self.settings.gather_rays,
+            (self.settings.contribution, self.settings.gather_rays),
         );
         let bake = |run: &Run, pass: &Pass| Bake {
             objects: pass.objects(&lit_from_behind),
@@ -267,6 +267,8 @@ impl<'a> Run<'a> {
     }
 
     fn findings<'s>(&'s self, solved: &'s Solved) -> Findings<'s> {
+        let contribution = self.settings.contribution;
+        let (arriving, direct) = (&solved.solution.arriving, &solved.arrived);
         Findings {
             scene: self.scene,
             settings: self.settings,
@@ -276,6 +278,7 @@ impl<'a> Run<'a> {
             arrived: &solved.arrived,
             solution: &solved.solution,
             error: solved.error,
+            enlarged: contribution.enlarges(&solved.elements, arriving, direct),
             stages: &self.stages,
             work: self.work,
             occluder_bytes: solved.hierarchy.bytes(),

@@ -16,6 +16,7 @@ use crate::radiosity::kind::ByKind;
 use crate::radiosity::level::Level;
 use crate::radiosity::observer::Stage;
 use crate::radiosity::parallel::map_ranges;
+use crate::radiosity::quality::judge;
 use crate::radiosity::receiver_mesh::ReceiverMesh;
 use crate::radiosity::receivers::Receivers;
 use crate::radiosity::refine::{Asked, Control, Refinement, Refiner};
@@ -103,12 +104,15 @@ impl Pass {
         let mut objects = meshes.object_light(&self.fitted.light);
         for ((object, mesh), behind) in objects.iter_mut().zip(&meshes.meshes).zip(lit_from_behind)
         {
-            let Some(gradient) = &self.fitted.gradient else {
-                break;
-            };
-            let side = if *behind { -1.0 } else { 1.0 };
-            let of = |u: &u32| gradient[*u as usize] * side;
-            object.gradient = mesh.unknown.iter().map(of).collect();
+            if let Some(gradient) = &self.fitted.gradient {
+                let side = if *behind { -1.0 } else { 1.0 };
+                let of = |u: &u32| gradient[*u as usize] * side;
+                object.gradient = mesh.unknown.iter().map(of).collect();
+            }
+            if let Some(quality) = &self.fitted.quality {
+                let of = |u: &u32| quality[*u as usize];
+                object.quality = mesh.unknown.iter().map(of).collect();
+            }
         }
         objects
     }
@@ -243,7 +247,9 @@ impl Run<'_> {
             elements.of_object(o).filter(side)
         });
         Level::of(lit.map(|e| {
-            let light = solved.solution.arriving[e].element_sum() / 3.0;
+            let light =
+                (self.settings.contribution).of(solved.solution.arriving[e], solved.arrived[e]);
+            let light = light.element_sum() / 3.0;
             (f64::from(elements.area[e]), f64::from(light))
         }))
     }
@@ -441,6 +447,10 @@ impl Run<'_> {
                 };
                 fitted.gradient =
                     Some(fit_gradient(&gradients, receivers, seams, &fitted, &go_on)?);
+            }
+            if run.settings.vertex_quality {
+                let square = 1.0 / (run.scene.scale * run.scene.scale);
+                fitted.quality = Some(judge(&samples, receivers, &fitted, square, &go_on)?);
             }
             run.work.fits += 1;
             run.work.cross_validations += u64::from(known.is_none());

@@ -232,6 +232,7 @@ mod tests {
                     mesh: Some(mesh.into()),
                     light,
                     gradient: Vec::new(),
+                    quality: Vec::new(),
                 }],
                 ..Bake::default()
             };

@@ -163,7 +163,7 @@ impl<'a> Probe<'a> {
             let occluders = &gather.occluders;
             let Some(hit) = occluders.closest(place.position, direction, ground.live, chance)
             else {
-                sum += gather.scene.sky;
+                sum += self.shining.sky;
                 continue;
             };
             match gather.elements.spot_at(&hit) {
@@ -187,7 +187,7 @@ impl<'a> Probe<'a> {
             .collect();
         let seed = hash(self.seed, hash(set as u32, 0x5AA9));
         let mut sums = vec![Vec3::ZERO; places.len()];
-        for light in &gather.scene.lights {
+        for light in self.shining.lights {
             if light.direct == DirectLight::Baked && shines(light) {
                 for (sum, (_, receiver)) in sums.iter_mut().zip(&receivers) {
                     *sum += light.power * self.shadowed(light, receiver, seed, traced);
