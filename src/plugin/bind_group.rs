@@ -15,8 +15,8 @@ use bevy::render::render_resource::{
 };
 use bevy::render::renderer::RenderDevice;
 
-use super::FrescoExtension;
 use super::bump::{Bump, BumpKey, BumpUniform, FlatHeightImage, GpuHeightImage};
+use super::material::{FrescoExtension, FrescoKey};
 
 /// [`FrescoExtension`] as the shader reads it: `Fresco` in `bump/surface.wgsl`. WebGL2 wants multiples of 16
 /// bytes.
@@ -36,15 +36,18 @@ const DETAIL_SAMPLER: u32 = 105;
 const BOUNDS: u32 = 106;
 
 impl AsBindGroup for FrescoExtension {
-    type Data = BumpKey;
+    type Data = FrescoKey;
     type Param = (SRes<RenderAssets<GpuHeightImage>>, SRes<FlatHeightImage>);
 
     fn label() -> &'static str {
         "fresco_extension"
     }
 
-    fn bind_group_data(&self) -> BumpKey {
-        BumpKey::new(self.bump.as_ref(), self.detail.as_ref())
+    fn bind_group_data(&self) -> FrescoKey {
+        FrescoKey {
+            bumps: BumpKey::new(self.bump.as_ref(), self.detail.as_ref()),
+            instead: self.instead,
+        }
     }
 
     fn unprepared_bind_group(

@@ -148,10 +148,10 @@ fn fragment(
     } else {
         out.color = pbr_input.material.base_color;
     }
-#ifdef FRESCO_VIEW_IRRADIANCE
+#ifdef FRESCO_SHOW_IRRADIANCE
     out.color = vec4(pbr_input.lightmap_light * view.exposure, pbr_input.material.base_color.a);
 #endif
-#ifdef FRESCO_VIEW_RADIOSITY
+#ifdef FRESCO_SHOW_RADIOSITY
     let reflectance = pbr_input.material.base_color.rgb * (1.0 - pbr_input.material.metallic);
     out.color = vec4(
         pbr_input.lightmap_light * view.exposure * reflectance + pbr_input.material.emissive.rgb,
@@ -159,19 +159,18 @@ fn fragment(
     );
 #endif
     out.color = main_pass_post_lighting_processing(pbr_input, out.color);
-#ifdef FRESCO_VIEW_VALUES
+#ifdef FRESCO_SHOW_VALUES
 #ifdef VERTEX_BAKED_LIGHT
     out.color = vec4(max(baked_light, vec3(0.0)), 1.0);
 #endif
 #endif
-#ifdef FRESCO_VIEW_NORMALS
+#ifdef FRESCO_SHOW_NORMALS
     out.color = vec4(pbr_input.N * 0.5 + vec3(0.5), 1.0);
 #endif
-#ifdef FRESCO_SHOW_NORMALS
-    // For tests and for finding faults: nothing sets this by itself.
+#ifdef FRESCO_SHOW_RAW_NORMALS
     out.color = vec4(pbr_input.N, pbr_input.material.perceptual_roughness);
 #endif
-#ifdef FRESCO_SHOW_PARALLAX
+#ifdef FRESCO_SHOW_RAW_PARALLAX
 #ifdef FRESCO_PARALLAX
     out.color = vec4(seen.a.at - on_mesh.a.at, seen.depth, seen.reads);
 #endif

@@ -11,7 +11,8 @@ use bevy::render::render_resource::{RenderPipelineDescriptor, SpecializedMeshPip
 use bevy::shader::ShaderDefVal;
 
 use super::bump::{self, ATTRIBUTE_U_GRADIENT, ATTRIBUTE_V_GRADIENT, Bump, BumpKey};
-use super::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT, FrescoView, shaders};
+use super::view::{self, FrescoView, ShownInstead};
+use super::{ATTRIBUTE_BAKED_LIGHT, ATTRIBUTE_BAKED_LIGHT_GRADIENT, shaders};
 
 /// [`StandardMaterial`] that shows what this crate makes of a surface: relief ([`Bump`]) and baked light.
 ///
@@ -37,6 +38,17 @@ pub struct FrescoExtension {
     pub bump: Option<Bump>,
     /// Finer relief on top of it: slopes of both add up.
     pub detail: Option<Bump>,
+    /// Set by [`FrescoView`] on all materials.
+    #[doc(hidden)]
+    #[reflect(ignore)]
+    pub instead: ShownInstead,
+}
+
+/// What pipelines of [`FrescoMaterial`] differ by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct FrescoKey {
+    pub(super) bumps: BumpKey,
+    pub(super) instead: ShownInstead,
 }
 
 impl Default for FrescoExtension {
@@ -45,6 +57,7 @@ impl Default for FrescoExtension {
             baked_light_gain: 1.0,
             bump: None,
             detail: None,
+            instead: ShownInstead::Nothing,
         }
     }
 }
@@ -193,7 +206,7 @@ impl MaterialExtension for FrescoExtension {
         };
         let pass = Pass::of(&fragment.shader_defs);
         let lightmapped = key.mesh_key.contains(MeshPipelineKey::LIGHTMAPPED);
-        let bumps = key.bind_group_data;
+        let FrescoKey { bumps, instead } = key.bind_group_data;
         let shown = Shown::new(pass, &layout.0, lightmapped, bumps, &fragment.shader_defs);
         if !shown.bumps.is_any() && !shown.has_baked_light {
             return Ok(());
@@ -208,6 +221,7 @@ impl MaterialExtension for FrescoExtension {
             descriptor.vertex.shader_defs.extend(defs.iter().cloned());
         }
         fragment.shader_defs.extend(defs);
+        (fragment.shader_defs).extend(instead.shader_def().map(Into::into));
         fragment.shader = match pass {
             Pass::Normals => shaders::PREPASS_SHADER,
             _ => shaders::FRAGMENT_SHADER,
@@ -234,6 +248,10 @@ impl Plugin for FrescoMaterialPlugin {
             bump::plugin,
         ))
         .init_resource::<FrescoView>()
+        .add_systems(
+            PostUpdate,
+            view::show.run_if(resource_exists::<FrescoView>.and_then(view::may_differ)),
+        )
         .register_type::<FrescoView>()
         .register_type::<FrescoExtension>()
         .register_asset_reflect::<FrescoMaterial>();

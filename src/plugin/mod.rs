@@ -22,9 +22,11 @@ pub use light_bake::{
     LightBake, LightBakeError, LightBakeId, LightBakeLoader, LitBy, LitByStatus,
     UnreadableLightBake,
 };
-pub use material::{FrescoExtension, FrescoMaterial, FrescoMaterialPlugin};
+pub use material::{FrescoExtension, FrescoKey, FrescoMaterial, FrescoMaterialPlugin};
 pub use radiosity::RadiosityPlugin;
 pub use view::FrescoView;
+#[doc(hidden)]
+pub use view::ShownInstead;
 
 /// All plugins of this crate.
 ///

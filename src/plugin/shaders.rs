@@ -18,8 +18,6 @@ use bevy::prelude::*;
 use bevy::render::RenderApp;
 use bevy::shader::{Shader, load_shader_library};
 
-use super::view::{self, FrescoView};
-
 /// Passes our attributes on, beside all that Bevy's vertex shaders do.
 pub(super) const VERTEX_SHADER: Handle<Shader> =
     uuid_handle!("5b1d1f0e-6c1c-4a51-9a6d-3f4a5d0f5a01");
@@ -101,13 +99,8 @@ pub(super) fn plugin(app: &mut App) {
     load_shader_library!(app, "bump/bump.wgsl");
     load_shader_library!(app, "bump/parallax.wgsl");
     load_shader_library!(app, "bump/surface.wgsl");
-    app.add_systems(Startup, (add_own, load_bevys)).add_systems(
-        PreUpdate,
-        (
-            copy_bevys.run_if(resource_exists::<Sources>),
-            view::show.run_if(resource_changed::<FrescoView>),
-        ),
-    );
+    app.add_systems(Startup, (add_own, load_bevys))
+        .add_systems(PreUpdate, copy_bevys.run_if(resource_exists::<Sources>));
 }
 
 fn add_own(mut shaders: ResMut<Assets<Shader>>) {

@@ -1,10 +1,9 @@
 use bevy::prelude::*;
-use bevy::shader::Shader;
 
-use super::shaders::FRAGMENT_SHADER;
+use super::FrescoMaterial;
 use crate::radiosity::{BakeSettings, Contribution};
 
-/// What surfaces with [`FrescoMaterial`](super::FrescoMaterial) show in the place of their look: baked light alone, or
+/// What surfaces with [`FrescoMaterial`] show in the place of their look: baked light alone, or
 /// how it was found.
 ///
 /// For finding faults. Surfaces that carry no baked light and no relief keep their look, and so does what is drawn
@@ -85,28 +84,66 @@ impl FrescoView {
         !self.replaces_light() && !matches!(self, Self::Direct | Self::Indirect)
     }
 
-    fn shader_def(self) -> Option<&'static str> {
+    fn shown_instead(self) -> ShownInstead {
         match self {
-            Self::Shaded => None,
+            Self::Shaded => ShownInstead::Nothing,
             Self::Irradiance | Self::Direct | Self::Indirect | Self::Elements => {
-                Some("FRESCO_VIEW_IRRADIANCE")
+                ShownInstead::Irradiance
             }
-            Self::Radiosity => Some("FRESCO_VIEW_RADIOSITY"),
-            Self::Error | Self::Samples | Self::Sources => Some("FRESCO_VIEW_VALUES"),
-            Self::Normals => Some("FRESCO_VIEW_NORMALS"),
+            Self::Radiosity => ShownInstead::Radiosity,
+            Self::Error | Self::Samples | Self::Sources => ShownInstead::Values,
+            Self::Normals => ShownInstead::Normals,
         }
     }
 }
 
-/// Shows another view: our pipelines are made anew.
-pub(super) fn show(view: Res<FrescoView>, mut shaders: ResMut<Assets<Shader>>) {
-    let defs: Vec<_> = view.shader_def().into_iter().map(Into::into).collect();
-    let Some(shader) = shaders.get(&FRAGMENT_SHADER) else {
-        return;
-    };
-    if shader.shader_defs != defs
-        && let Some(mut shader) = shaders.get_mut(&FRAGMENT_SHADER)
-    {
-        shader.shader_defs = defs;
+/// What a material shows in the place of its look. [`FrescoView`] sets it on all of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ShownInstead {
+    /// Its look.
+    #[default]
+    Nothing,
+    /// Baked light.
+    Irradiance,
+    /// What is reflected of it, and emitted.
+    Radiosity,
+    /// What meshes carry in the place of light, as it is.
+    Values,
+    /// Normals as colours.
+    Normals,
+    /// Normals as they are, and roughness as alpha: for tests.
+    RawNormals,
+    /// Shifts of texture coordinates by parallax, depth, and as alpha texels read: for tests.
+    RawParallax,
+}
+
+impl ShownInstead {
+    pub(super) fn shader_def(self) -> Option<&'static str> {
+        match self {
+            Self::Nothing => None,
+            Self::Irradiance => Some("FRESCO_SHOW_IRRADIANCE"),
+            Self::Radiosity => Some("FRESCO_SHOW_RADIOSITY"),
+            Self::Values => Some("FRESCO_SHOW_VALUES"),
+            Self::Normals => Some("FRESCO_SHOW_NORMALS"),
+            Self::RawNormals => Some("FRESCO_SHOW_RAW_NORMALS"),
+            Self::RawParallax => Some("FRESCO_SHOW_RAW_PARALLAX"),
+        }
+    }
+}
+
+/// Whether materials may show something else than the view says.
+pub(super) fn may_differ(view: Res<FrescoView>) -> bool {
+    view.is_changed() || *view != FrescoView::Shaded
+}
+
+/// Has all materials show what the view says.
+pub(super) fn show(view: Res<FrescoView>, mut materials: ResMut<Assets<FrescoMaterial>>) {
+    let instead = view.shown_instead();
+    let others = (materials.iter()).filter(|(_, material)| material.extension.instead != instead);
+    let others: Vec<_> = others.map(|(id, _)| id).collect();
+    for id in others {
+        if let Some(mut material) = materials.get_mut(id) {
+            material.extension.instead = instead;
+        }
     }
 }

@@ -49,11 +49,11 @@ fn status(room: &Room) -> &LitByStatus {
     room.app.world().get(room.root).unwrap()
 }
 
-fn values<'a>(
-    room: &'a Room,
+fn values(
+    room: &Room,
     entity: Entity,
     attribute: bevy::mesh::MeshVertexAttribute,
-) -> &'a VertexAttributeValues {
+) -> &VertexAttributeValues {
     let world = room.app.world();
     let mesh = world.get::<Mesh3d>(entity).unwrap();
     let mesh = world.resource::<Assets<Mesh>>().get(mesh).unwrap();

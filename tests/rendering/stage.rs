@@ -21,10 +21,11 @@ use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{PipelineCache, TextureFormat, TextureUsages};
 use bevy::render::{RenderPlugin, view::Msaa};
-use bevy::shader::Shader;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
-use bevy_fresco::plugin::{DisplacementPlugin, FrescoMaterialPlugin, FrescoView};
+use bevy_fresco::plugin::{
+    DisplacementPlugin, FrescoMaterial, FrescoMaterialPlugin, FrescoView, ShownInstead,
+};
 
 use crate::bumps::PrepassNormals;
 use crate::picture::Picture;
@@ -64,7 +65,7 @@ pub(crate) fn on_stage<R: Send + 'static>(
         stage.clear();
         stage.size = SIZE;
         stage.expected_errors = &[];
-        stage.shown = None;
+        stage.shown = ShownInstead::Nothing;
         let _ = sender.send(done);
     });
     jobs.lock().unwrap().send(job).unwrap();
@@ -81,9 +82,8 @@ pub(crate) struct Stage {
     pub(crate) size: u32,
     /// Errors that are logged with one of these in them are meant to be.
     pub(crate) expected_errors: &'static [&'static str],
-    /// What our shaders show in the place of light, by its definition, in the next picture. They are left at that
-    /// until a picture wants something else: making pipelines takes longer than drawing.
-    shown: Option<&'static str>,
+    /// What materials of the next pictures show in the place of their look.
+    shown: ShownInstead,
 }
 
 #[derive(Resource, Default)]
@@ -126,13 +126,16 @@ impl Stage {
             app,
             size: SIZE,
             expected_errors: &[],
-            shown: None,
+            shown: ShownInstead::Nothing,
         }
     }
 
     /// Whether our shaders show normals, and the roughness as alpha, in the place of light.
     pub(crate) fn show_normals(&mut self, show: bool) {
-        self.shown = show.then_some("FRESCO_SHOW_NORMALS");
+        self.shown = match show {
+            true => ShownInstead::RawNormals,
+            false => ShownInstead::Nothing,
+        };
     }
 
     /// Has surfaces show something else than their look.
@@ -146,27 +149,18 @@ impl Stage {
     /// Has our shaders show what parallax shifts texture coordinates by, the depth of what is seen, and as alpha how
     /// many texels were read to find it.
     pub(crate) fn show_parallax(&mut self) {
-        self.shown = Some("FRESCO_SHOW_PARALLAX");
+        self.shown = ShownInstead::RawParallax;
     }
 
-    /// Has our shaders show what the next picture is of.
-    fn set_shaders(&mut self) {
-        if *self.app.world().resource::<FrescoView>() != FrescoView::Shaded {
-            // The plugin sets them.
+    /// Has materials show what the picture is of. Of a view the plugin takes care.
+    fn set_materials(&mut self) {
+        let world = self.app.world_mut();
+        if *world.resource::<FrescoView>() != FrescoView::Shaded {
             return;
         }
-        let shown = self.shown;
-        let mut shaders = self.app.world_mut().resource_mut::<Assets<Shader>>();
-        let ours = |shader: &Shader| shader.path == "bevy_fresco/plugin/fragment.wgsl";
-        let found = shaders.iter().find(|(_, shader)| ours(shader));
-        let Some((id, shader)) = found else {
-            assert!(shown.is_none(), "the shader has moved");
-            return;
-        };
-        let defs: Vec<_> = shown.into_iter().map(Into::into).collect();
-        if shader.shader_defs != defs {
-            let mut shader = shaders.get_mut(id).unwrap();
-            shader.shader_defs = defs;
+        let mut materials = world.resource_mut::<Assets<FrescoMaterial>>();
+        for (_, material) in materials.iter_mut() {
+            material.extension.instead = self.shown;
         }
     }
 
@@ -188,7 +182,6 @@ impl Stage {
         scene: impl FnOnce(&mut World),
     ) -> Picture {
         self.clear();
-        self.set_shaders();
         ERRORS.lock().unwrap().clear();
         WARNINGS.lock().unwrap().clear();
         let size = self.size;
@@ -218,6 +211,8 @@ impl Stage {
         ));
         camera(&mut eye);
         scene(world);
+        self.set_materials();
+        let world = self.app.world_mut();
         world.spawn((Readback::texture(target), Transform::default()));
         self.wait_for_a_still_frame()
     }
@@ -225,6 +220,7 @@ impl Stage {
     /// What the camera sees after a change of what is there.
     pub(crate) fn change(&mut self, change: impl FnOnce(&mut World)) -> Picture {
         change(self.app.world_mut());
+        self.set_materials();
         // Frames come back some updates after they were drawn.
         for _ in 0..4 {
             self.app.update();
