@@ -21,7 +21,7 @@ use bevy_fresco::plugin::displacement::{Displacement, DisplacementStatus};
 const HEIGHT: f32 = 0.04;
 const SIZE: Vec2 = Vec2::new(2.0, 1.0);
 /// How far faces may be from the relief at first, and what the slider offers, in millimetres.
-const ERROR: f32 = 2.0;
+const ERROR: f32 = 5.0;
 const ERRORS: std::ops::RangeInclusive<f32> = 0.3..=20.0;
 
 /// The error asked for, in millimetres.
@@ -134,8 +134,9 @@ fn ask_for_as_many(
     mut even: Query<&mut Displacement, With<Even>>,
 ) {
     for report in adaptive.iter().filter_map(DisplacementStatus::report) {
-        // Two triangles a square.
-        let spacing = (2.0 * SIZE.element_product() / report.triangles as f32).sqrt();
+        // Each of the base's two triangles becomes n² if its longest side is cut into n.
+        let sides = (report.triangles as f32 / 2.0).sqrt();
+        let spacing = SIZE.length() / sides.floor().max(1.0);
         for mut even in &mut even {
             even.settings.tessellation = Tessellation::Uniform(Spacing::Metres(spacing));
         }

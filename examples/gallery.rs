@@ -30,7 +30,7 @@ const ROOM: Vec3 = Vec3::new(7.0, 3.4, 6.0);
 /// Radius of a column, flutes around it and how deep they are, in metres.
 const COLUMN: f32 = 0.28;
 const FLUTES: f32 = 16.0;
-const FLUTE: f32 = 0.03;
+const FLUTE: f32 = 0.014;
 /// How far bricks of the wall and stones of the floor stand out, in metres.
 const BRICK: f32 = 0.05;
 const STONE: f32 = 0.015;
@@ -48,6 +48,9 @@ fn main() -> AppExit {
     let settings = RadiositySettings {
         bake: BakeSettings {
             directional: true,
+            error: 0.04,
+            // The wall of bricks has more than half of them.
+            max_vertices: 200_000,
             ..BakeSettings::DRAFT
         },
         ..default()
@@ -146,7 +149,7 @@ fn setup(
         ],
     ));
     let column = meshes.add(Cylinder::new(COLUMN, ROOM.y).mesh().resolution(48));
-    for (x, z) in [(-1.6, -0.6), (1.6, -0.6), (-1.6, 1.6), (1.6, 1.6)] {
+    for (x, z) in [(-1.5, -0.9), (1.5, -0.9), (-2.6, 1.2), (2.6, 1.2)] {
         commands.spawn((
             Mesh3d(column.clone()),
             MeshMaterial3d(fluted.clone()),
@@ -166,7 +169,7 @@ fn setup(
     commands.spawn((
         Lamp,
         PointLight {
-            intensity: 120_000.0,
+            intensity: 220_000.0,
             color: Color::srgb(1.0, 0.9, 0.75),
             range: 30.0,
             ..default()
@@ -176,7 +179,11 @@ fn setup(
     ));
     commands.spawn((
         Camera3d::default(),
-        Transform::from_xyz(1.1, 0.25, 4.6).looking_at(Vec3::new(-0.35, -0.25, -1.0), Vec3::Y),
+        Projection::from(PerspectiveProjection {
+            fov: 1.15,
+            ..default()
+        }),
+        Transform::from_xyz(1.2, 0.0, 2.85).looking_at(Vec3::new(-0.5, -0.15, -1.0), Vec3::Y),
     ));
     Ok(())
 }

@@ -1,4 +1,7 @@
-//! The least there is to do: a glTF file lit by its own bounced light.
+//! The least there is to do: a glTF file lit by its own bounced light. `--screenshot FILE` saves a picture without a
+//! window.
+
+mod common;
 
 use bevy::gltf::GltfAssetLabel;
 use bevy::prelude::*;
@@ -7,7 +10,8 @@ use bevy_fresco::plugin::{FrescoPlugins, radiosity::StaticLighting};
 
 fn main() -> AppExit {
     App::new()
-        .add_plugins((DefaultPlugins, FrescoPlugins))
+        // `DefaultPlugins`, with a title.
+        .add_plugins((common::default_plugins("Minimal"), FrescoPlugins))
         .add_systems(Startup, setup)
         .run()
 }

@@ -56,9 +56,11 @@ fn fragment(
     in: VertexOutput,
     @builtin(front_facing) is_front: bool,
 #ifdef VERTEX_BAKED_LIGHT
-    @location(10) baked_light: vec3<f32>,
+    // At centroids: with multisampling the middle of a pixel may lie outside the triangle, where light would go on to
+    // any value, below 0 too.
+    @location(10) @interpolate(perspective, centroid) baked_light: vec3<f32>,
 #ifdef VERTEX_BAKED_LIGHT_GRADIENT
-    @location(11) baked_light_gradient: vec3<f32>,
+    @location(11) @interpolate(perspective, centroid) baked_light_gradient: vec3<f32>,
 #endif
 #endif
 #ifdef VERTEX_UV_GRADIENTS
@@ -119,8 +121,7 @@ fn fragment(
     apply_decals(&pbr_input);
 
     let is_lit = (pbr_input.material.flags & pbr_types::STANDARD_MATERIAL_FLAGS_UNLIT_BIT) == 0u;
-    // The deferred pass would add it to unlit surfaces too. Multisampling extrapolates at edges:
-    // light must not come out negative there.
+    // The deferred pass would add it to unlit surfaces too.
 #ifdef VERTEX_BAKED_LIGHT
     if is_lit {
         pbr_input.lightmap_light = max(baked_light, vec3(0.0)) * fresco.params.x;

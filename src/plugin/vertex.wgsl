@@ -72,9 +72,9 @@ struct LitVertexOutput {
 #endif
 #endif // PREPASS_PIPELINE
 #ifdef VERTEX_BAKED_LIGHT
-    @location(10) baked_light: vec3<f32>,
+    @location(10) @interpolate(perspective, centroid) baked_light: vec3<f32>,
 #ifdef VERTEX_BAKED_LIGHT_GRADIENT
-    @location(11) baked_light_gradient: vec3<f32>,
+    @location(11) @interpolate(perspective, centroid) baked_light_gradient: vec3<f32>,
 #endif
 #endif
 #ifdef VERTEX_UV_GRADIENTS

@@ -149,3 +149,53 @@ fn gain_dims_it() {
     let found = Vec3::from(picture.at(0.5, 0.5)) / (LIGHT * exposure());
     assert_close(found, Vec3::splat(0.25));
 }
+
+/// At the edges of triangles thinner than a pixel, samples lie outside the pixel's middle.
+#[test]
+fn multisampling_makes_no_light() {
+    // A dark square with a rim of a twentieth of a pixel, bright at the very edge.
+    let (inner, outer) = (0.6, 0.6015);
+    let brightest = 1000.0;
+    let around = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let corners = |half: f32| around.map(|(x, y)| [half * x, half * y, 0.0]);
+    let positions = [corners(inner), corners(outer)].concat();
+    let rim = (0..4u32).flat_map(|i| {
+        let j = (i + 1) % 4;
+        [i, i + 4, j + 4, i, j + 4, j]
+    });
+    let indices: Vec<u32> = [0, 1, 2, 0, 2, 3].into_iter().chain(rim).collect();
+    let light = [[0.0; 3]; 4].into_iter().chain([[brightest; 3]; 4]);
+    let mesh = Mesh::new(
+        bevy::mesh::PrimitiveTopology::TriangleList,
+        bevy::asset::RenderAssetUsages::all(),
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; 8])
+    .with_inserted_attribute(
+        bevy_fresco::plugin::ATTRIBUTE_BAKED_LIGHT,
+        light.collect::<Vec<_>>(),
+    )
+    .with_inserted_indices(bevy::mesh::Indices::U32(indices));
+    let picture = on_stage(|stage| {
+        stage.shoot(
+            |camera| {
+                camera.insert(Msaa::Sample4);
+            },
+            |world| {
+                let base = StandardMaterial {
+                    reflectance: 0.0,
+                    ..default()
+                };
+                let at = Transform::from_rotation(Quat::from_rotation_z(0.2));
+                show_fresco(world, mesh, base, at);
+            },
+        )
+    });
+    let seen = picture
+        .pixels
+        .iter()
+        .map(|pixel| pixel[0])
+        .fold(0.0, f32::max);
+    let truth = brightest * exposure();
+    assert!(seen > 0.0 && seen <= 1.001 * truth, "{seen} of {truth}");
+}
