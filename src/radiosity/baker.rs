@@ -2,7 +2,7 @@ use glam::Vec3;
 
 use super::bake::{BakeError, check};
 use super::baked::{Bake, ObjectLight};
-use super::cut;
+use super::cut::{self, ContactLine};
 use super::element_light::ElementLight;
 use super::observer::Observer;
 use super::pipeline::run;
@@ -138,8 +138,8 @@ impl Baker {
         ))
     }
 
-    /// The lines along which the last bake cut surfaces where others touch or cross them: both ends, in metres.
-    pub fn contacts(&self) -> Vec<[Vec3; 2]> {
+    /// The lines along which the last bake cut surfaces where others touch or cross them.
+    pub fn contacts(&self) -> Vec<ContactLine> {
         let kept = self.kept.as_ref();
         kept.map_or_else(Vec::new, |kept| {
             cut::lines(kept.stages.cut_scene(&kept.scene))

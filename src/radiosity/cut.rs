@@ -158,35 +158,48 @@ fn cut_object(object: &Object, cut: &Cut) -> Object {
     }
 }
 
-/// The lines along which surfaces of a cut scene were cut, both ends in metres.
-pub(crate) fn lines(scene: &ValidScene) -> Vec<[Vec3; 2]> {
+/// A piece of a line along which a face was cut because another touches or crosses it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactLine {
+    /// In metres.
+    pub ends: [Vec3; 2],
+    /// Unit normal of the face on one side of it.
+    pub normal: Vec3,
+}
+
+/// The lines along which surfaces of a cut scene were cut.
+pub(crate) fn lines(scene: &ValidScene) -> Vec<ContactLine> {
     let mut lines = Vec::new();
     for (object, cut) in scene.objects.iter().zip(&scene.cuts) {
         let Some(cut) = cut else {
             continue;
         };
         // Vertices on a line are there once for each side of it: only their places tell.
-        let mut sides: BTreeMap<[[u32; 3]; 2], ([u32; 2], bool)> = BTreeMap::new();
+        let mut sides: BTreeMap<[[u32; 3]; 2], ([u32; 2], bool, Vec3)> = BTreeMap::new();
         for triangle in &object.triangles {
+            let corners = triangle.map(|v| object.positions[v as usize]);
             for k in 0..3 {
-                let mut ends = [triangle[k], triangle[(k + 1) % 3]].map(|v| {
-                    let bits = object.positions[v as usize].to_array().map(f32::to_bits);
-                    (bits, cut.mesh.sides[v as usize])
+                let mut ends = [k, (k + 1) % 3].map(|k| {
+                    let side = cut.mesh.sides[triangle[k] as usize];
+                    (corners[k].to_array().map(f32::to_bits), side)
                 });
                 ends.sort_unstable();
                 let own = ends.map(|(_, side)| side);
-                let (first, differs) = sides
-                    .entry(ends.map(|(bits, _)| bits))
-                    .or_insert((own, false));
+                let places = ends.map(|(place, _)| place);
+                let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+                let (first, differs, _) = sides.entry(places).or_insert((own, false, normal));
                 *differs |= *first != own;
             }
         }
-        let cut_along = sides.into_iter().filter(|(_, (_, differs))| *differs);
         let metres = |end: [u32; 3]| {
             let point = Vec3::from(end.map(f32::from_bits)).as_dvec3();
             (point * f64::from(scene.scale) + scene.center).as_vec3()
         };
-        lines.extend(cut_along.map(|(ends, _)| ends.map(metres)));
+        let cut_along = sides.into_iter().filter(|(_, (_, differs, _))| *differs);
+        lines.extend(cut_along.map(|(ends, (_, _, normal))| ContactLine {
+            ends: ends.map(metres),
+            normal: normal.normalize_or_zero(),
+        }));
     }
     lines
 }

@@ -137,6 +137,7 @@ pub use bake::{BakeError, bake, solve_elements};
 pub use baked::{Bake, ObjectLight};
 pub use baker::Baker;
 pub use contribution::Contribution;
+pub use cut::ContactLine;
 pub use element_light::{Element, ElementLight, ElementTriangle};
 pub use estimate::{Estimate, estimate, estimate_counts};
 pub use form_factor::{FormFactors, point_to_polygon, polygon_to_polygon};

@@ -13,6 +13,7 @@ mod directional;
 mod displaced;
 mod double_light;
 mod fresco_views;
+mod gizmos;
 mod like_bevys_lightmap;
 mod other_devices;
 mod parallax;

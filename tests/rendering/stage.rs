@@ -24,7 +24,8 @@ use bevy::render::{RenderPlugin, view::Msaa};
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use bevy_fresco::plugin::{
-    DisplacementPlugin, FrescoMaterial, FrescoMaterialPlugin, FrescoView, ShownInstead,
+    DisplacementPlugin, FrescoMaterial, FrescoMaterialPlugin, FrescoView, RadiosityPlugin,
+    ShownInstead,
 };
 
 use crate::bumps::PrepassNormals;
@@ -112,6 +113,7 @@ impl Stage {
                 .disable::<PipelinedRenderingPlugin>(),
             FrescoMaterialPlugin,
             DisplacementPlugin,
+            RadiosityPlugin::default(),
             MaterialPlugin::<PrepassNormals>::default(),
         ))
         .init_resource::<Frames>()

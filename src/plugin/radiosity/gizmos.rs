@@ -27,7 +27,8 @@ pub struct RadiosityGizmos {
 #[derive(Component)]
 pub(super) struct Line;
 
-/// How far outlines are lifted off their surface, beside the size of an element.
+/// How far lines are lifted off their surface, beside the size of an element or their own length: lines can have no
+/// depth bias.
 const LIFT: f32 = 0.02;
 
 /// Draws lines anew when they are asked for or light is another.
@@ -64,7 +65,10 @@ pub(super) fn draw(
     let mut lines = Lines::default();
     if gizmos.contacts {
         let blue = LinearRgba::rgb(0.05, 0.3, 1.0);
-        (baker.contacts().into_iter()).for_each(|ends| lines.push(ends, blue));
+        for line in baker.contacts() {
+            let lift = line.normal * (LIFT * line.ends[0].distance(line.ends[1]));
+            lines.push(line.ends.map(|end| end + lift), blue);
+        }
     }
     if let Some(elements) = baker.elements() {
         if gizmos.elements {
@@ -85,8 +89,6 @@ pub(super) fn draw(
     }
     let material = StandardMaterial {
         unlit: true,
-        // In front of the surfaces they lie on.
-        depth_bias: 1e3,
         ..default()
     };
     commands.spawn((
