@@ -14,11 +14,10 @@ use std::time::{Duration, Instant};
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::prelude::*;
 use bevy_fresco::panel::FrescoPanelPlugin;
+use bevy_fresco::plugin::FrescoPlugins;
 use bevy_fresco::plugin::radiosity::{
-    BakedLighting, LightBaking, RadiosityDiagnostics, RadiositySettings, RadiosityStatus, Rebake,
-    StaticLighting,
+    LightBaking, RadiosityDiagnostics, RadiositySettings, RadiosityStatus, Rebake, StaticLighting,
 };
-use bevy_fresco::plugin::{ATTRIBUTE_BAKED_LIGHT, FrescoPlugins};
 use bevy_fresco::radiosity::BakeSettings;
 
 /// Metres of the room from wall to wall.
@@ -201,8 +200,9 @@ struct Soak {
     longest: f64,
     /// Bytes of the whole program when a tenth of the time was over.
     early_memory: Option<u64>,
-    /// Light as it was when all was at rest, while it is baked from scratch.
-    last: Option<(Vec<[f32; 3]>, u64)>,
+    /// Mean light and vertices as they were when all was at rest, and how many bakes there were, while light is baked
+    /// from scratch.
+    last: Option<((f32, u64), u64)>,
 }
 
 impl Soak {
@@ -275,8 +275,6 @@ fn watch(
     mut commands: Commands,
     diagnostics: Res<DiagnosticsStore>,
     status: Res<RadiosityStatus>,
-    lit: Query<(&Name, &BakedLighting)>,
-    meshes: Res<Assets<Mesh>>,
     mut exit: MessageWriter<AppExit>,
 ) {
     let spent = diagnostics
@@ -290,32 +288,19 @@ fn watch(
     if over < soak.duration || !status.is_up_to_date() {
         return;
     }
-    let mut named: Vec<_> = lit.iter().collect();
-    named.sort_by_key(|(name, _)| name.as_str());
-    let light: Vec<[f32; 3]> = (named.into_iter())
-        .filter_map(|(_, baked)| {
-            meshes
-                .get(&baked.lit)?
-                .attribute(ATTRIBUTE_BAKED_LIGHT)?
-                .as_float3()
-        })
-        .flatten()
-        .copied()
-        .collect();
-    let Some((before, finished)) = soak.last.take() else {
-        soak.last = Some((light, status.finished));
+    // Over all surfaces: vertices lie elsewhere in a bake from scratch.
+    let Some(report) = status.report.as_deref() else {
+        return;
+    };
+    let now = (report.mean_light, report.counts.vertices);
+    let Some((then, finished)) = soak.last else {
+        soak.last = Some((now, status.finished));
         commands.trigger(Rebake { from_scratch: true });
         return;
     };
     if status.finished == finished {
-        soak.last = Some((before, finished));
         return;
     }
-    let mean = |light: &[[f32; 3]]| {
-        let sum: f32 = light.iter().flatten().sum();
-        sum / (3 * light.len()).max(1) as f32
-    };
-    let (now, then) = (mean(&light), mean(&before));
     println!(
         "{} changes, {finished} bakes in {:.0} s",
         soak.edits,
@@ -330,9 +315,8 @@ fn watch(
         println!("memory {early:.0} MB after a tenth of the time, {late:.0} MB at the end");
     }
     println!(
-        "mean light {then:.3} cd/m² in {} vertices; baked from scratch {now:.3} in {}",
-        before.len(),
-        light.len()
+        "mean light {:.3} cd/m² in {} vertices; baked from scratch {:.3} in {}",
+        then.0, then.1, now.0, now.1
     );
     exit.write(AppExit::Success);
 }

@@ -4,6 +4,7 @@
 //! Drag with the left button to turn, with the right one to move, roll the wheel to come nearer; F1 hides the panel.
 //! Click with the middle button on a surface for what it sees, by form factors.
 //!
+//! `--baked` bakes nothing and shows the light that `cargo bake` put into the file.
 //! `--save FILE.light_bake` bakes without a window and saves the light, for `LitBy`.
 //! `--view NAME` begins with one of the panel's views, `--edges` draws the edges of triangles, `--no-panel` hides the
 //! panel, and `--screenshot FILE` saves a picture without a window.
@@ -19,7 +20,7 @@ use std::path::PathBuf;
 
 use bevy::asset::AssetPlugin;
 use bevy::camera::primitives::Aabb;
-use bevy::gltf::GltfAssetLabel;
+use bevy::gltf::{GltfAssetLabel, GltfPlugin};
 use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll};
 use bevy::math::Vec3A;
 use bevy::pbr::wireframe::{WireframeConfig, WireframePlugin};
@@ -30,7 +31,9 @@ use bevy_fresco::panel::{FrescoPanelPlugin, PanelOpen};
 use bevy_fresco::plugin::radiosity::{
     BakeState, BakedLighting, RadiosityGizmos, RadiosityStatus, StaticLighting,
 };
-use bevy_fresco::plugin::{FrescoPlugins, FrescoView, LightBake};
+use bevy_fresco::plugin::{
+    ATTRIBUTE_BAKED_LIGHT, BakedScene, FrescoPlugins, FrescoView, LightBake,
+};
 
 /// Where the camera stands: around a point.
 #[derive(Component)]
@@ -41,9 +44,13 @@ struct Orbit {
     pitch: f32,
 }
 
-/// The name of the file in its folder.
 #[derive(Resource)]
-struct File(String);
+struct File {
+    /// Its name in its folder.
+    name: String,
+    /// It brings its light along.
+    baked: bool,
+}
 
 /// Where its light is to be saved.
 #[derive(Resource)]
@@ -52,7 +59,7 @@ struct Save(PathBuf);
 fn main() -> AppExit {
     let mut rest = std::env::args().skip(1);
     let (mut file, mut view, mut save) = (None, FrescoView::Shaded, None);
-    let (mut edges, mut panel) = (false, true);
+    let (mut edges, mut panel, mut baked) = (false, true, false);
     while let Some(argument) = rest.next() {
         match argument.as_str() {
             "--screenshot" => drop(rest.next()),
@@ -66,6 +73,7 @@ fn main() -> AppExit {
             },
             "--edges" => edges = true,
             "--no-panel" => panel = false,
+            "--baked" => baked = true,
             "--save" => save = rest.next().map(PathBuf::from),
             _ => file = Some(PathBuf::from(argument)),
         }
@@ -83,6 +91,9 @@ fn main() -> AppExit {
         file_path: folder.unwrap_or_default(),
         ..default()
     };
+    // Bevy drops attributes that it is not told of.
+    let gltf =
+        GltfPlugin::default().add_custom_vertex_attribute("BAKED_LIGHT", ATTRIBUTE_BAKED_LIGHT);
     let plugins = match save {
         Some(_) => common::without_window(),
         None => common::default_plugins("Your scene"),
@@ -93,7 +104,7 @@ fn main() -> AppExit {
             .add_systems(Last, save_light);
     }
     app.add_plugins((
-        plugins.set(assets),
+        plugins.set(assets).set(gltf),
         FrescoPlugins,
         FrescoPanelPlugin,
         WireframePlugin::default(),
@@ -105,7 +116,10 @@ fn main() -> AppExit {
         ..default()
     })
     .insert_resource(GlobalAmbientLight::NONE)
-    .insert_resource(File(name.display().to_string()))
+    .insert_resource(File {
+        name: name.display().to_string(),
+        baked,
+    })
     .add_systems(Startup, setup)
     .add_systems(
         Update,
@@ -131,8 +145,12 @@ fn named(name: &str) -> Option<FrescoView> {
 }
 
 fn setup(mut commands: Commands, assets: Res<AssetServer>, file: Res<File>) {
-    let scene = assets.load(GltfAssetLabel::Scene(0).from_asset(file.0.clone()));
-    commands.spawn((WorldAssetRoot(scene), StaticLighting::default()));
+    let scene = assets.load(GltfAssetLabel::Scene(0).from_asset(file.name.clone()));
+    let mut root = commands.spawn(WorldAssetRoot(scene));
+    match file.baked {
+        true => root.insert(BakedScene::default()),
+        false => root.insert(StaticLighting::default()),
+    };
     let orbit = Orbit {
         middle: Vec3::ZERO,
         distance: 10.0,
@@ -175,16 +193,18 @@ fn one_camera(mut cameras: Query<&mut Camera, (Added<Camera>, Without<Orbit>)>) 
 /// Once all of the scene is there, which is when it is lit, the camera sees all of it; from the file's own camera, if
 /// it has one.
 fn look_at_all(
-    lit: Query<(&Aabb, &GlobalTransform), With<BakedLighting>>,
+    meshes: Query<(&Aabb, &GlobalTransform), With<Mesh3d>>,
+    lit: Query<(), With<BakedLighting>>,
+    file: Res<File>,
     given: Query<&GlobalTransform, (With<Camera>, Without<Orbit>)>,
     mut orbits: Query<&mut Orbit>,
     mut done: Local<bool>,
 ) {
-    if *done || lit.is_empty() {
+    if *done || meshes.is_empty() || (lit.is_empty() && !file.baked) {
         return;
     }
     let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for (bounds, place) in &lit {
+    for (bounds, place) in &meshes {
         for corner in 0..8 {
             let side = |bit: u32| if corner >> bit & 1 == 0 { -1.0 } else { 1.0 };
             let sides = Vec3::new(side(0), side(1), side(2));

@@ -83,6 +83,8 @@
 //!
 //! # If something looks wrong
 //!
+//! The first things to look at; `docs/troubleshooting.md` has more.
+//!
 //! - **It is black.** Read the notes of the report: it says so when no light reaches any surface,
 //!   which is mostly a one-sided lamp that faces the wrong way.
 //! - **It is blotchy.** The report's sampling error is above a percent or two: use a finer preset.

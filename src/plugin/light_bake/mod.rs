@@ -24,3 +24,6 @@ pub use save::LightBakeError;
 pub use show::{LitBy, LitByStatus};
 
 pub(super) use show::plugin;
+
+#[cfg(all(test, feature = "examples", feature = "gltf"))]
+mod sample_test;

@@ -58,4 +58,4 @@ pub use status::{
 #[cfg(test)]
 mod mesh_data_test;
 #[cfg(all(test, feature = "examples", feature = "gltf"))]
-mod two_doors_test;
+pub(in crate::plugin) mod two_doors_test;

@@ -24,7 +24,7 @@ use crate::plugin::FrescoPlugins;
 use crate::radiosity::{Bake, BakeSettings, Light, LightKind, Object, Scene, bake};
 
 /// All of Bevy but a window and a graphics card.
-fn app() -> App {
+pub(in crate::plugin) fn app() -> App {
     let mut app = App::new();
     let no_gpu = WgpuSettings {
         backends: None,
