@@ -168,6 +168,51 @@ fn bounds_follow() {
     assert!((check(&app) - 1.0).abs() < 0.04);
 }
 
+/// How high a ray from above meets what an entity shows: what Bevy's picking of meshes reads, its triangles where its
+/// bounds are met.
+fn picked(app: &App, entity: Entity, [x, y]: [f32; 2]) -> Option<f32> {
+    let bounds = app.world().get::<Aabb>(entity).unwrap();
+    let apart = (Vec2::new(x, y) - bounds.center.xy()).abs() - bounds.half_extents.xy();
+    if apart.max_element() > 0.0 {
+        return None;
+    }
+    let meshes = app.world().resource::<Assets<Mesh>>();
+    let mesh = meshes.get(&shown(app, entity)).unwrap();
+    let positions = mesh.attribute(Mesh::ATTRIBUTE_POSITION).unwrap();
+    let positions = positions.as_float3().unwrap();
+    let corners: Vec<Vec3> = (mesh.indices().unwrap().iter())
+        .map(|i| positions[i].into())
+        .collect();
+    let met = corners.as_chunks::<3>().0.iter().filter_map(|[a, b, c]| {
+        let matrix = Mat3::from_cols(*b - *a, *c - *a, Vec3::Z);
+        let at = matrix.inverse() * (Vec3::new(x, y, 0.0) - *a);
+        let is_inside = at.x >= -1e-5 && at.y >= -1e-5 && at.x + at.y <= 1.0 + 1e-5;
+        is_inside.then_some(-at.z)
+    });
+    met.max_by(f32::total_cmp)
+}
+
+#[test]
+fn picking_meets_the_raised_surface() {
+    let (mut app, entity, _) = raised();
+    for i in 0..100 {
+        let at = [i % 10, i / 10].map(|i| 0.19 * i as f32 - 0.85);
+        let from_middle = Vec2::from(at).length() / 2.0;
+        let truth = 0.125 + 0.125 * (std::f32::consts::TAU * from_middle.min(0.5)).cos();
+        let height = picked(&app, entity, at).unwrap();
+        // Bilinear between 16 texels.
+        assert!(
+            (height - truth).abs() < 0.01,
+            "{height} for {truth} at {at:?}"
+        );
+    }
+    assert_eq!(picked(&app, entity, [1.2, 0.0]), None);
+    app.world_mut().entity_mut(entity).remove::<Displacement>();
+    app.update();
+    app.update();
+    assert_eq!(picked(&app, entity, [0.1, 0.1]), Some(0.0));
+}
+
 #[test]
 fn changes_of_settings_and_map_are_followed() {
     let (mut app, entity, source) = raised();
