@@ -70,30 +70,41 @@ struct TakeScreenshot {
 #[derive(Resource)]
 struct Shot {
     path: PathBuf,
-    image: Handle<Image>,
     settled: u32,
 }
 
 impl Plugin for TakeScreenshot {
     fn build(&self, app: &mut App) {
+        app.add_plugins(DrawIntoImage)
+            .insert_resource(Shot {
+                path: self.path.clone(),
+                settled: 0,
+            })
+            .add_systems(Update, shoot);
+    }
+}
+
+/// Has cameras draw into an image in the place of the window that is not there.
+pub(crate) struct DrawIntoImage;
+
+#[derive(Resource)]
+struct Target(Handle<Image>);
+
+impl Plugin for DrawIntoImage {
+    fn build(&self, app: &mut App) {
         let mut image = Image::new_target_texture(800, 800, TextureFormat::Rgba8UnormSrgb, None);
         image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
         image.asset_usage = RenderAssetUsages::all();
         let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
-        app.insert_resource(Shot {
-            path: self.path.clone(),
-            image,
-            settled: 0,
-        })
-        .add_systems(Update, (aim, shoot));
+        app.insert_resource(Target(image)).add_systems(Update, aim);
     }
 }
 
 /// Turns cameras from the window that is not there to the image.
-fn aim(shot: Res<Shot>, mut cameras: Query<(&mut RenderTarget, &mut Projection)>) {
+fn aim(image: Res<Target>, mut cameras: Query<(&mut RenderTarget, &mut Projection)>) {
     for (mut target, mut projection) in &mut cameras {
         if matches!(*target, RenderTarget::Window(_)) {
-            *target = RenderTarget::Image(shot.image.clone().into());
+            *target = RenderTarget::Image(image.0.clone().into());
             // Bevy looks for the new target's size when the projection has changed.
             projection.set_changed();
         }
@@ -103,6 +114,7 @@ fn aim(shot: Res<Shot>, mut cameras: Query<(&mut RenderTarget, &mut Projection)>
 fn shoot(
     mut commands: Commands,
     mut shot: ResMut<Shot>,
+    image: Res<Target>,
     status: Option<Res<RadiosityStatus>>,
     baked: Query<(), With<StaticLighting>>,
     displaced: Query<&DisplacementStatus>,
@@ -116,7 +128,7 @@ fn shoot(
     shot.settled += 1;
     if shot.settled == SETTLE {
         commands
-            .spawn(Screenshot::image(shot.image.clone()))
+            .spawn(Screenshot::image(image.0.clone()))
             .observe(save_to_disk(shot.path.clone()))
             .observe(
                 |_: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
