@@ -2,7 +2,7 @@
 //! triangles by the error asked for, below with as many of them laid out evenly. Faces of bricks are flat and get few,
 //! edges get many, so the lower wall is worse for the same price.
 //!
-//! The slider sets the error; triangles, errors and seconds are told beside it. `--screenshot FILE` saves a picture
+//! The slider sets the error; triangles and the error reached are told beside it. `--screenshot FILE` saves a picture
 //! without a window.
 
 mod common;

@@ -52,7 +52,7 @@ fn main() -> AppExit {
     let settings = RadiositySettings {
         bake: BakeSettings {
             directional: true,
-            // The wall of bricks has more than half of them.
+            // Room for the wall of bricks beside the rest.
             max_vertices: 120_000,
             ..BakeSettings::DRAFT
         },

@@ -1,5 +1,5 @@
 use bevy::ecs::system::SystemState;
-use bevy::platform::collections::HashMap;
+use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 
 use super::asset::{BakedObject, LightBake};
@@ -76,7 +76,7 @@ impl LightBake {
 fn collect(root: Entity, looked: &Looked) -> Result<LightBake, LightBakeError> {
     let (lit, displaced, names, parents, meshes) = looked;
     let mut objects = Vec::new();
-    let mut known: HashMap<Identity, ()> = HashMap::default();
+    let mut known: HashSet<Identity> = HashSet::default();
     for (entity, shown, baked) in lit {
         let is_below = entity == root || parents.iter_ancestors(entity).any(|above| above == root);
         if !is_below || shown.0 != baked.lit {
@@ -90,7 +90,7 @@ fn collect(root: Entity, looked: &Looked) -> Result<LightBake, LightBakeError> {
             continue;
         };
         let identity = identity(called, source)?;
-        if known.insert(identity.clone(), ()).is_some() {
+        if !known.insert(identity.clone()) {
             return Err(LightBakeError::Ambiguous(identity.called.to_string()));
         }
         let values = |attribute| {

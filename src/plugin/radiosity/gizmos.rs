@@ -119,15 +119,19 @@ impl Lines {
         self.colors.extend([color.to_f32_array(); 2]);
     }
 
+    /// Of a triangle.
+    fn sides(&mut self, corners: [Vec3; 3], color: LinearRgba) {
+        for k in 0..3 {
+            self.push([corners[k], corners[(k + 1) % 3]], color);
+        }
+    }
+
     fn outline(&mut self, elements: &ElementLight) {
         let grey = LinearRgba::gray(0.35);
         for triangle in elements.triangles().iter().filter(|t| !t.back) {
             let element = &elements.elements[triangle.element as usize];
             let lift = triangle.normal * (LIFT * element.area.sqrt());
-            for k in 0..3 {
-                let ends = [triangle.corners[k], triangle.corners[(k + 1) % 3]];
-                self.push(ends.map(|end| end + lift), grey);
-            }
+            self.sides(triangle.corners.map(|corner| corner + lift), grey);
         }
     }
 
@@ -147,10 +151,7 @@ impl Lines {
         }
         for triangle in elements.triangles() {
             if triangle.element as usize == element {
-                for k in 0..3 {
-                    let ends = [triangle.corners[k], triangle.corners[(k + 1) % 3]];
-                    self.push(ends, LinearRgba::rgb(1.0, 0.05, 0.05));
-                }
+                self.sides(triangle.corners, LinearRgba::rgb(1.0, 0.05, 0.05));
             }
         }
     }
