@@ -1,7 +1,8 @@
 //! Colour bleeding and soft shadows: the Cornell box, lit by its lamp and by what bounces.
 //!
-//! Space takes the baked light away and gives it back, 1 to 3 bake as draft, balanced and final, R paints
-//! the red wall blue and back. `--screenshot FILE` saves a picture without a window.
+//! Space takes the baked light away and gives it back, 1 to 3 bake as draft, balanced and final, F finds form factors
+//! by the next method, S takes the next solver, R paints the red wall blue and back. The title says what was baked and
+//! how long it took. `--screenshot FILE` saves a picture without a window.
 
 mod common;
 
@@ -12,7 +13,25 @@ use bevy_fresco::plugin::FrescoPlugins;
 use bevy_fresco::plugin::radiosity::{
     BakeFinished, OriginalMaterial, RadiositySettings, StaticLighting,
 };
-use bevy_fresco::radiosity::BakeSettings;
+use bevy_fresco::radiosity::{BakeSettings, FormFactors, Solver};
+
+/// What F goes through. Where every pair of elements is looked at, there are as many as wait for a second or two.
+const METHODS: [FormFactors; 4] = [
+    FormFactors::HitList,
+    FormFactors::Hemicube { resolution: 64 },
+    FormFactors::Analytic { visibility_rays: 4 },
+    FormFactors::AreaSampling { samples: 16 },
+];
+
+/// What S goes through.
+const SOLVERS: [Solver; 6] = [
+    Solver::GaussSeidelMeanField,
+    Solver::GaussSeidel,
+    Solver::Jacobi,
+    Solver::Sor { omega: 1.2 },
+    Solver::ProgressiveRefinement,
+    Solver::ConjugateGradients,
+];
 
 fn main() -> AppExit {
     App::new()
@@ -53,8 +72,18 @@ fn keys(
     ];
     for (key, preset) in presets {
         if keys.just_pressed(key) {
-            settings.bake = preset;
+            settings.bake = BakeSettings {
+                form_factors: settings.bake.form_factors,
+                solver: settings.bake.solver,
+                ..preset
+            };
         }
+    }
+    if keys.just_pressed(KeyCode::KeyF) {
+        settings.bake.form_factors = after(&METHODS, settings.bake.form_factors);
+    }
+    if keys.just_pressed(KeyCode::KeyS) {
+        settings.bake.solver = after(&SOLVERS, settings.bake.solver);
     }
     if keys.just_pressed(KeyCode::KeyR) {
         let red = walls.iter().find(|(name, _)| name.starts_with("Red wall"));
@@ -65,16 +94,33 @@ fn keys(
     }
 }
 
-fn tell(finished: On<BakeFinished>) {
+/// The next of all, and the first after the last.
+fn after<T: Copy + PartialEq>(all: &[T], now: T) -> T {
+    let next = all.iter().skip_while(|one| **one != now).nth(1);
+    *next.unwrap_or(&all[0])
+}
+
+fn tell(
+    finished: On<BakeFinished>,
+    settings: Res<RadiositySettings>,
+    mut window: Option<Single<&mut Window>>,
+) {
     let report = &finished.report;
     let milliseconds: f64 = report
         .stages
         .iter()
         .map(|(_, t)| t.as_secs_f64() * 1e3)
         .sum();
-    info!(
-        "{} vertices lit in {milliseconds:.0} ms, sampling error {:.1} %",
+    let told = format!(
+        "{}, {}: {} elements, {} vertices in {milliseconds:.0} ms, sampling error {:.1} %",
+        settings.bake.form_factors.name(),
+        settings.bake.solver.name(),
+        report.counts.elements,
         report.counts.vertices,
         100.0 * report.sampling_error
     );
+    info!("{told}");
+    if let Some(window) = &mut window {
+        window.title = format!("Cornell box by {told}");
+    }
 }

@@ -41,6 +41,33 @@ pub struct Bisection {
     pub at: f32,
 }
 
+impl Bisection {
+    /// Which of the two pieces a point of the face is on, the new one or not, and its weights of that piece's
+    /// corners.
+    ///
+    /// With the edge from corner `i` to corner `j` cut at the share `a` of its length, a point `b` lies
+    /// on the side of `i` if `b_j (1 − a) ≤ b_i a`, and there
+    ///
+    /// ```text
+    ///   ┌───────────────────────────────────────────────────┐
+    ///   │  b_i' = b_i − b_j (1 − a) / a    b_cut' = b_j / a │
+    ///   └───────────────────────────────────────────────────┘
+    /// ```
+    ///
+    /// On the other side `i` and `j` change places, and `a` and `1 − a`.
+    pub fn hand_on(&self, mut b: Vec3) -> (bool, Vec3) {
+        let (i, j) = (usize::from(self.edge), (usize::from(self.edge) + 1) % 3);
+        let (a, rest) = (self.at, 1.0 - self.at);
+        let is_in_half = b[j] * rest > b[i] * a;
+        if is_in_half {
+            (b[i], b[j]) = (b[i] / rest, (b[j] - b[i] * (a / rest)).max(0.0));
+        } else {
+            (b[i], b[j]) = ((b[i] - b[j] * (rest / a)).max(0.0), b[j] / a);
+        }
+        (is_in_half, b)
+    }
+}
+
 /// What became of a request to bisect a face.
 ///
 /// If it was not done, the face is as it was. Neighbours with longer edges may have been cut on

@@ -1,9 +1,10 @@
+use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 use super::light_bake;
 use super::material::drawn_forward;
-use super::radiosity::{LightBaking, StaticLighting};
+use super::radiosity::{LightBaking, StaticMarks};
 use super::{ATTRIBUTE_BAKED_LIGHT, FrescoExtension, FrescoMaterial, FrescoMaterialPlugin};
 
 /// On the root of a scene whose meshes were loaded with baked light: shows it. Nothing is baked for that.
@@ -31,7 +32,7 @@ use super::{ATTRIBUTE_BAKED_LIGHT, FrescoExtension, FrescoMaterial, FrescoMateri
 /// Below it, each `MeshMaterial3d<StandardMaterial>` on a mesh with [`ATTRIBUTE_BAKED_LIGHT`] becomes a
 /// [`FrescoMaterial`] of the same look, and lights keep their diffuse part off these meshes, which have it already:
 /// those with a [`LightBaking`] if that is `Full`, others by [`direct`](Self::direct).
-/// What the plugin for radiosity bakes ([`StaticLighting`]) is left to it.
+/// What the plugin for radiosity bakes ([`StaticLighting`](super::radiosity::StaticLighting)) is left to it.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 pub struct BakedScene {
@@ -72,22 +73,23 @@ impl Plugin for BakedScenePlugin {
     }
 }
 
-/// The nearest mark above an entity or on it, unless it is baked here.
-fn mark_of(
-    entity: Entity,
-    marks: &Query<(Option<&BakedScene>, Has<StaticLighting>)>,
-    parents: &Query<&ChildOf>,
-) -> Option<BakedScene> {
-    for entity in std::iter::once(entity).chain(parents.iter_ancestors(entity)) {
-        let (mark, is_baked_here) = marks.get(entity).ok()?;
-        if is_baked_here {
+/// Whose meshes and lights are treated.
+#[derive(SystemParam)]
+struct Marks<'w, 's> {
+    marks: Query<'w, 's, &'static BakedScene>,
+    parents: Query<'w, 's, &'static ChildOf>,
+    baked_here: StaticMarks<'w, 's>,
+}
+
+impl Marks<'_, '_> {
+    /// The nearest mark above an entity or on it, unless it is baked here.
+    fn of(&self, entity: Entity) -> Option<BakedScene> {
+        if self.baked_here.in_effect(entity).is_some() {
             return None;
         }
-        if let Some(mark) = mark {
-            return Some(*mark);
-        }
+        let mut above = std::iter::once(entity).chain(self.parents.iter_ancestors(entity));
+        above.find_map(|entity| self.marks.get(entity).ok().copied())
     }
-    None
 }
 
 type Shown<'w, 's> = Query<
@@ -104,8 +106,7 @@ type Shown<'w, 's> = Query<
 fn show_light(
     mut commands: Commands,
     shown: Shown,
-    marks: Query<(Option<&BakedScene>, Has<StaticLighting>)>,
-    parents: Query<&ChildOf>,
+    marks: Marks,
     meshes: Res<Assets<Mesh>>,
     standard: Res<Assets<StandardMaterial>>,
     mut ours: ResMut<Assets<FrescoMaterial>>,
@@ -116,7 +117,7 @@ fn show_light(
         if !meshes.get(&mesh.0).is_some_and(has_light) {
             continue;
         }
-        let mark = mark_of(entity, &marks, &parents);
+        let mark = marks.of(entity);
         let (Some(mark), Some(base)) = (mark, standard.get(&material.0)) else {
             continue;
         };
@@ -146,12 +147,11 @@ fn keep_lights_off(
     mut suns: Query<(Entity, &mut DirectionalLight)>,
     told: Query<&LightBaking>,
     new_marks: Query<(), Added<BakedScene>>,
-    marks: Query<(Option<&BakedScene>, Has<StaticLighting>)>,
-    parents: Query<&ChildOf>,
+    marks: Marks,
 ) {
     let any_new = !new_marks.is_empty();
     let is_baked = |entity| {
-        let mark = mark_of(entity, &marks, &parents);
+        let mark = marks.of(entity);
         mark.is_some_and(|mark| match told.get(entity) {
             Ok(told) => *told == LightBaking::Full,
             Err(_) => mark.direct,

@@ -1,7 +1,7 @@
 //! Light that came with the meshes.
 
 use bevy::prelude::*;
-use bevy_fresco::plugin::radiosity::StaticLighting;
+use bevy_fresco::plugin::radiosity::{NoStaticLighting, StaticLighting};
 use bevy_fresco::plugin::{ATTRIBUTE_BAKED_LIGHT, BakedScene, FrescoMaterial};
 
 use crate::world::bare_app;
@@ -74,12 +74,14 @@ fn meshes_with_light_show_it_and_others_stay() {
     let without = loaded.add(dark, ());
     // Baked here, which is another plugin's business.
     let elsewhere = loaded.add(lit.clone(), StaticLighting::default());
+    let left_out = (StaticLighting::default(), NoStaticLighting);
+    let left_out = loaded.add(lit.clone(), left_out);
     let world = loaded.app.world_mut();
     let outside = world
         .spawn((Mesh3d(lit), MeshMaterial3d(loaded.material.clone())))
         .id();
     loaded.app.update();
-    for entity in [a, b] {
+    for entity in [a, b, left_out] {
         let material = loaded.shown(entity).expect("its light is shown");
         assert_eq!(material.extension.baked_light_gain, 2.0);
         assert_eq!(material.base.base_color, Color::srgb(0.8, 0.1, 0.1));

@@ -176,6 +176,38 @@ fn other_meshes_get_no_light_and_it_is_said() {
 }
 
 #[test]
+fn what_comes_later_gets_its_light_then() {
+    let (_, bake) = baked();
+    let (mut own, mut name) = (None, None);
+    let mut room = shown(bake, |room| {
+        let (block, lamp) = (room.block, room.lamp);
+        own = room.world().entity_mut(block).take::<Mesh3d>();
+        name = room.world().entity_mut(lamp).take::<Name>();
+    });
+    assert_eq!((status(&room).lit, status(&room).waiting), (2, 2));
+    let (block, lamp) = (room.block, room.lamp);
+    room.world().entity_mut(lamp).insert(name.unwrap());
+    room.app.update();
+    assert_eq!((status(&room).lit, status(&room).waiting), (3, 1));
+    // There, but not loaded.
+    let mesh = own.unwrap();
+    let loaded = room.world().resource_mut::<Assets<Mesh>>().remove(&mesh.0);
+    let handle = room.world().resource::<Assets<Mesh>>().reserve_handle();
+    let entity = Mesh3d(handle.clone());
+    room.world().entity_mut(block).insert(entity);
+    for _ in 0..3 {
+        room.app.update();
+    }
+    assert_eq!((status(&room).lit, status(&room).waiting), (3, 1));
+    let mut meshes = room.world().resource_mut::<Assets<Mesh>>();
+    meshes.insert(&handle, loaded.unwrap()).unwrap();
+    for _ in 0..3 {
+        room.app.update();
+    }
+    assert_eq!((status(&room).lit, status(&room).waiting), (4, 0));
+}
+
+#[test]
 fn only_all_of_the_light_is_saved() {
     let mut room = Room::new();
     let root = room.root;

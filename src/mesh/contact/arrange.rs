@@ -8,7 +8,7 @@ use super::shape::Shape;
 use super::touch::Contacts;
 
 /// A triangle with more contacts than this is left alone: grass on a lawn.
-const MAX_SEGMENTS: usize = 4096;
+pub(super) const MAX_SEGMENTS: usize = 4096;
 
 /// Nor are there more points than this where contacts of one triangle meet.
 const MAX_POINTS: usize = 4 * MAX_SEGMENTS;

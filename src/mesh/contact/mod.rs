@@ -14,11 +14,13 @@
 //!
 //! The triangles of all objects are one set (`Shape`), and edges are known by the positions of
 //! their ends, so that texture seams, hard edges and objects do not tell them apart. `touch` finds
-//! contacts between pairs of triangles, which `near` has found; each triangle's segments are
+//! contacts between pairs of triangles, which `near` has found; faces with many are bisected
+//! first (`crowded`); each triangle's segments are
 //! `arrange`d so that they only meet at their ends; `edge_points` gathers what all triangles of an
 //! edge want on it; `triangulate` cuts the triangles, and `sides` parts the vertices.
 
 mod arrange;
+mod crowded;
 mod cut;
 mod edge_points;
 mod frame;
@@ -35,6 +37,7 @@ use glam::Vec3;
 
 use self::edge_points::EdgePoints;
 use self::shape::Shape;
+use self::touch::Contacts;
 use super::refined::RefinedMesh;
 
 /// A mesh that may touch or cross others, or itself.
@@ -88,8 +91,78 @@ pub fn split_at_contacts(
 ) -> Option<ContactCuts> {
     let shape = Shape::new(surfaces, tolerance);
     let contacts = touch::find(&shape, go_on)?;
-    let arranged = arrange::all(&shape, contacts, go_on)?;
-    let edge_points = EdgePoints::new(&shape, arranged.on_edges);
+    let Some(finer) = crowded::bisect(&shape, &contacts, surfaces) else {
+        return cut_at_contacts(surfaces, &shape, contacts, go_on);
+    };
+    let finer: Vec<Finer> = (finer.into_iter().zip(surfaces))
+        .map(|(mesh, surface)| Finer::new(mesh, surface))
+        .collect();
+    let bisected: Vec<Surface> = (finer.iter().zip(surfaces))
+        .map(|(finer, surface)| finer.surface(surface))
+        .collect();
+    let shape = Shape::new(&bisected, tolerance);
+    let contacts = touch::find(&shape, go_on)?;
+    let cuts = cut_at_contacts(&bisected, &shape, contacts, go_on)?;
+    let together = (finer.into_iter().zip(surfaces).zip(cuts.meshes))
+        .map(|((finer, surface), cut)| finer.then(surface, cut));
+    Some(ContactCuts {
+        meshes: together.collect(),
+        crowded: cuts.crowded,
+    })
+}
+
+/// A surface bisected, or as it was.
+struct Finer {
+    mesh: Option<RefinedMesh>,
+    positions: Vec<Vec3>,
+}
+
+impl Finer {
+    fn new(mesh: Option<RefinedMesh>, surface: &Surface) -> Self {
+        let positions = mesh.as_ref().map_or_else(Vec::new, |mesh| {
+            mesh.positions(surface.positions, surface.triangles)
+        });
+        Self { mesh, positions }
+    }
+
+    fn surface<'a>(&'a self, given: &Surface<'a>) -> Surface<'a> {
+        match &self.mesh {
+            None => *given,
+            Some(mesh) => Surface {
+                positions: &self.positions,
+                triangles: &mesh.triangles,
+                ..*given
+            },
+        }
+    }
+
+    /// Bisected and then cut, of the surface as given.
+    fn then(self, given: &Surface, cut: Option<CutMesh>) -> Option<CutMesh> {
+        let Some(mesh) = self.mesh else {
+            return cut;
+        };
+        Some(match cut {
+            Some(CutMesh { mesh: cut, sides }) => CutMesh {
+                mesh: mesh.then(given.triangles, &cut),
+                sides,
+            },
+            None => CutMesh {
+                sides: vec![0; mesh.vertices.len()],
+                mesh,
+            },
+        })
+    }
+}
+
+/// Cuts faces along the contacts found.
+fn cut_at_contacts(
+    surfaces: &[Surface],
+    shape: &Shape,
+    contacts: Contacts,
+    go_on: &dyn Fn() -> bool,
+) -> Option<ContactCuts> {
+    let arranged = arrange::all(shape, contacts, go_on)?;
+    let edge_points = EdgePoints::new(shape, arranged.on_edges);
     let mut meshes = Vec::with_capacity(surfaces.len());
     let mut nodes = edge_points.nodes_end();
     for (object, surface) in surfaces.iter().enumerate() {
@@ -97,8 +170,8 @@ pub fn split_at_contacts(
             return None;
         }
         let mesh = (surface.cut)
-            .then(|| cut::object(&shape, object, &edge_points, &arranged.on_faces, &mut nodes))
-            .and_then(|pieces| sides::part(&shape, object, surface, pieces, &mut nodes));
+            .then(|| cut::object(shape, object, &edge_points, &arranged.on_faces, &mut nodes))
+            .and_then(|pieces| sides::part(shape, object, surface, pieces, &mut nodes));
         meshes.push(mesh);
     }
     Some(ContactCuts {

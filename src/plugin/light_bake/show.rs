@@ -10,7 +10,7 @@ use super::asset::{BakedObject, LightBake, LightBakeLoader};
 use super::identity::{Called, LightBakeId, MeshIdentity, called};
 use crate::plugin::BakedScene;
 use crate::plugin::displacement::Displacement;
-use crate::plugin::radiosity::StaticLighting;
+use crate::plugin::radiosity::StaticMarks;
 use crate::plugin::radiosity::mesh_data::{lit_mesh, read};
 
 /// On the root of a scene: its meshes get the light that was saved of them. Nothing is baked for that.
@@ -37,7 +37,8 @@ use crate::plugin::radiosity::mesh_data::{lit_mesh, read};
 /// Each mesh is found by the [`LightBakeId`] of its entity, else by names from the root down, and must be the mesh
 /// that was lit. Materials and lights are treated as [`BakedScene`] does, which comes along with `direct: false`:
 /// lights stay realtime but for those that are [`LightBaking::Full`](crate::plugin::radiosity::LightBaking::Full). What
-/// came of it is told by [`LitByStatus`]. Entities with [`StaticLighting`] of their own or above are left to the bake.
+/// came of it is told by [`LitByStatus`]. Entities with
+/// [`StaticLighting`](crate::plugin::radiosity::StaticLighting) of their own or above are left to the bake.
 #[derive(Component, Reflect, Clone, Debug, PartialEq, Eq)]
 #[require(BakedScene = only_indirect(), LitByStatus)]
 #[reflect(Component, Debug, Clone, PartialEq)]
@@ -88,17 +89,12 @@ struct Below<'w, 's> {
     children: Query<'w, 's, &'static Children>,
     parents: Query<'w, 's, &'static ChildOf>,
     meshes: Query<'w, 's, (&'static Mesh3d, Has<Displacement>)>,
-    baked_here: Query<'w, 's, (), With<StaticLighting>>,
+    baked_here: StaticMarks<'w, 's>,
     ids: Query<'w, 's, &'static LightBakeId>,
     names: Query<'w, 's, &'static Name>,
 }
 
 impl Below<'_, '_> {
-    fn is_baked_here(&self, entity: Entity) -> bool {
-        let mut above = std::iter::once(entity).chain(self.parents.iter_ancestors(entity));
-        above.any(|entity| self.baked_here.contains(entity))
-    }
-
     /// Meshes below a root, by how they are called.
     fn by_call(&self, root: Entity) -> HashMap<Called, Vec<Entity>> {
         let mut by_call: HashMap<Called, Vec<Entity>> = HashMap::default();
@@ -112,9 +108,35 @@ impl Below<'_, '_> {
     }
 }
 
+/// What can bring a mesh that is waited for.
+#[derive(SystemParam)]
+struct News<'w, 's> {
+    entities: Query<
+        'w,
+        's,
+        (),
+        Or<(
+            Changed<Mesh3d>,
+            Changed<Name>,
+            Changed<LightBakeId>,
+            Changed<ChildOf>,
+        )>,
+    >,
+    meshes: MessageReader<'w, 's, AssetEvent<Mesh>>,
+}
+
+impl News<'_, '_> {
+    /// Whether there are any since the last time.
+    fn read(&mut self) -> bool {
+        let any_mesh = self.meshes.read().count() > 0;
+        any_mesh || !self.entities.is_empty()
+    }
+}
+
 fn show(
     mut commands: Commands,
     mut roots: Query<(Entity, &LitBy, &mut LitByStatus)>,
+    mut news: News,
     below: Below,
     (bakes, server): (Res<Assets<LightBake>>, Option<Res<AssetServer>>),
     mut meshes: ResMut<Assets<Mesh>>,
@@ -122,6 +144,7 @@ fn show(
     mut progress: Local<HashMap<Entity, Progress>>,
 ) {
     progress.retain(|root, _| roots.contains(*root));
+    let any_news = news.read();
     for (root, LitBy(handle), mut status) in &mut roots {
         let Some(bake) = bakes.get(handle) else {
             let state = server.as_ref().map(|server| server.load_state(handle));
@@ -130,6 +153,7 @@ fn show(
             }
             continue;
         };
+        let is_first_look = !progress.contains_key(&root);
         let entry = progress.entry(root).or_insert_with(|| Progress {
             bake: handle.id(),
             done: HashSet::default(),
@@ -148,7 +172,11 @@ fn show(
         if entry.done.len() == bake.objects.len() {
             continue;
         }
-        let by_call = below.by_call(root);
+        let by_call = if is_first_look || any_news {
+            below.by_call(root)
+        } else {
+            HashMap::default()
+        };
         for (o, object) in bake.objects.iter().enumerate() {
             if entry.done.contains(&o) {
                 continue;
@@ -215,7 +243,7 @@ fn find(
         let Some(mesh) = meshes.get(mesh) else {
             return Found::Later;
         };
-        if is_displaced || below.is_baked_here(entity) {
+        if is_displaced || below.baked_here.in_effect(entity).is_some() {
             return Found::Never(format!(
                 "{name} is baked or displaced in this run: take StaticLighting and Displacement off it, or LitBy off \
                  its root"

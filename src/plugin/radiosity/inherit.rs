@@ -1,3 +1,4 @@
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::components::{
@@ -6,15 +7,36 @@ use super::components::{
 use crate::plugin::FrescoMaterial;
 
 /// What decides who is static.
-type Marks<'w, 's> = Query<
-    'w,
-    's,
-    (
-        Option<&'static StaticLighting>,
-        Has<NoStaticLighting>,
-        Option<&'static ChildOf>,
-    ),
->;
+#[derive(SystemParam)]
+pub(in crate::plugin) struct StaticMarks<'w, 's> {
+    marks: Query<
+        'w,
+        's,
+        (
+            Option<&'static StaticLighting>,
+            Has<NoStaticLighting>,
+            Option<&'static ChildOf>,
+        ),
+    >,
+}
+
+impl StaticMarks<'_, '_> {
+    /// The mark of the entity itself or of the nearest ancestor that has one.
+    pub(in crate::plugin) fn in_effect(&self, entity: Entity) -> Option<StaticLighting> {
+        let mut next = Some(entity);
+        while let Some(entity) = next {
+            let (mark, out, parent) = self.marks.get(entity).ok()?;
+            if out {
+                return None;
+            }
+            if let Some(mark) = mark {
+                return Some(*mark);
+            }
+            next = parent.map(ChildOf::parent);
+        }
+        None
+    }
+}
 
 /// Finds the [`StaticLighting`] in effect on every mesh, when anything that decides it has changed.
 pub(super) fn inherit(
@@ -36,7 +58,7 @@ pub(super) fn inherit(
     ),
     meshes: Query<(Entity, Option<&InEffect>), With<Mesh3d>>,
     orphans: Query<Entity, (With<InEffect>, Without<Mesh3d>)>,
-    marks: Marks,
+    marks: StaticMarks,
 ) {
     let any_removed = [
         removed.0.read().count(),
@@ -53,7 +75,7 @@ pub(super) fn inherit(
         commands.entity(entity).try_remove::<InEffect>();
     }
     for (entity, before) in &meshes {
-        let now = in_effect(entity, &marks).map(InEffect);
+        let now = marks.in_effect(entity).map(InEffect);
         if now.as_ref() != before {
             match now {
                 Some(now) => commands.entity(entity).try_insert(now),
@@ -61,22 +83,6 @@ pub(super) fn inherit(
             };
         }
     }
-}
-
-/// The mark of the entity itself or of the nearest ancestor that has one.
-fn in_effect(entity: Entity, marks: &Marks) -> Option<StaticLighting> {
-    let mut next = Some(entity);
-    while let Some(entity) = next {
-        let (mark, out, parent) = marks.get(entity).ok()?;
-        if out {
-            return None;
-        }
-        if let Some(mark) = mark {
-            return Some(*mark);
-        }
-        next = parent.map(ChildOf::parent);
-    }
-    None
 }
 
 /// Gives entities that are static no more, or receive no more, their own mesh and material back.

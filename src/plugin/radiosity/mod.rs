@@ -49,6 +49,7 @@ pub use components::{
 };
 pub use diagnostics::RadiosityDiagnostics;
 pub use gizmos::RadiosityGizmos;
+pub(in crate::plugin) use inherit::StaticMarks;
 pub use plugin::{RadiosityPlugin, RadiositySystems};
 pub use settings::{BakeSettingsReflect, RadiositySettings};
 pub use status::{

@@ -40,31 +40,17 @@ const CORNERS: usize = 3;
 impl FaceLight {
     /// Hands samples on to the halves of a face: those nearer the other end of the cut edge go with
     /// `half`.
-    ///
-    /// With the edge from corner `i` to corner `j` cut at the share `a` of its length, a point `b` lies
-    /// on the side of `i` if `b_j (1 − a) ≤ b_i a`, and there
-    ///
-    /// ```text
-    ///   ┌───────────────────────────────────────────────────┐
-    ///   │  b_i' = b_i − b_j (1 − a) / a    b_cut' = b_j / a │
-    ///   └───────────────────────────────────────────────────┘
-    /// ```
-    ///
-    /// On the other side `i` and `j` change places, and `a` and `1 − a`.
     pub(super) fn split(&mut self, cut: &Bisection) -> Self {
-        let (i, j) = (usize::from(cut.edge), (usize::from(cut.edge) + 1) % 3);
         let mut half = Self::default();
         let mut kept = Vec::with_capacity(self.samples.len());
-        for mut sample in self.samples.drain(..) {
-            let b = &mut sample.b;
-            let (a, rest) = (cut.at, 1.0 - cut.at);
-            if b[j] * rest <= b[i] * a {
-                (b[i], b[j]) = ((b[i] - b[j] * (rest / a)).max(0.0), b[j] / a);
-                kept.push(sample);
+        for sample in self.samples.drain(..) {
+            let (is_in_half, b) = cut.hand_on(sample.b);
+            let piece = if is_in_half {
+                &mut half.samples
             } else {
-                (b[i], b[j]) = (b[i] / rest, (b[j] - b[i] * (a / rest)).max(0.0));
-                half.samples.push(sample);
-            }
+                &mut kept
+            };
+            piece.push(Sample { b, ..sample });
         }
         self.samples = kept;
         half
