@@ -15,13 +15,16 @@ use bevy_fresco::plugin::radiosity::{
 };
 use bevy_fresco::radiosity::{BakeSettings, FormFactors, Solver};
 
-/// What F goes through. Where every pair of elements is looked at, there are as many as wait for a second or two.
+/// What F goes through.
 const METHODS: [FormFactors; 4] = [
     FormFactors::HitList,
     FormFactors::Hemicube { resolution: 64 },
     FormFactors::Analytic { visibility_rays: 4 },
     FormFactors::AreaSampling { samples: 16 },
 ];
+
+/// Elements at most where all of them are looked at from each: more keep one waiting.
+const FEW_ELEMENTS: u32 = 1000;
 
 /// What S goes through.
 const SOLVERS: [Solver; 6] = [
@@ -74,13 +77,16 @@ fn keys(
         if keys.just_pressed(key) {
             settings.bake = BakeSettings {
                 form_factors: settings.bake.form_factors,
+                elements: elements(settings.bake.form_factors, &preset),
                 solver: settings.bake.solver,
                 ..preset
             };
         }
     }
     if keys.just_pressed(KeyCode::KeyF) {
-        settings.bake.form_factors = after(&METHODS, settings.bake.form_factors);
+        let next = after(&METHODS, settings.bake.form_factors);
+        settings.bake.form_factors = next;
+        settings.bake.elements = elements(next, &BakeSettings::BALANCED);
     }
     if keys.just_pressed(KeyCode::KeyS) {
         settings.bake.solver = after(&SOLVERS, settings.bake.solver);
@@ -91,6 +97,14 @@ fn keys(
             let c = paint.base_color.to_linear();
             paint.base_color = LinearRgba::rgb(c.blue, c.green, c.red).into();
         }
+    }
+}
+
+/// How many elements there are with a preset.
+fn elements(form_factors: FormFactors, preset: &BakeSettings) -> u32 {
+    match form_factors {
+        FormFactors::HitList => preset.elements,
+        _ => FEW_ELEMENTS,
     }
 }
 

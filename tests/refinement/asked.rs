@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use bevy_fresco::radiosity::{BakeSettings, Stopped, bake};
+use glam::Vec3;
 
 use crate::known::error::measure;
 use crate::truth::{Known, known};
@@ -90,6 +91,36 @@ fn ask(scenes: &[usize], seeds: u32, errors: &[f32], may_miss: f64) {
 #[test]
 fn errors_asked_for_are_kept() {
     ask(&[0, 1, 3, 4], 1, &[0.1, 0.05, 0.02], 0.0);
+}
+
+/// Where meshes are far finer than the light asks for, faces are not looked at one by one, and the light is as right as
+/// ever.
+#[test]
+fn small_faces_are_told_by_a_few() {
+    // Without clusters these are 235 and 771.
+    for (scene, most) in [(0, 120.0), (4, 400.0)] {
+        let Known { layout, truth } = known(scene);
+        let scene = layout.scene();
+        let all = || scene.objects.iter().flat_map(|object| &object.positions);
+        let low = all().copied().reduce(Vec3::min).unwrap();
+        let high = all().copied().reduce(Vec3::max).unwrap();
+        let settings = BakeSettings {
+            error: 0.05,
+            max_edge: Some((high - low).max_element() / 128.0),
+            max_vertices: 1_000_000,
+            ..BakeSettings::DRAFT
+        };
+        let baked = bake(&scene.validate().unwrap(), &settings, &()).unwrap();
+        let name = layout.name;
+        let rmse = measure(layout, truth, &baked, POINTS).rmse;
+        assert!(rmse <= 0.05, "{name}: {rmse}");
+        let counts = &baked.report.counts;
+        let looking =
+            baked.report.work.gather_rays - counts.samples * u64::from(settings.gather_rays);
+        let rays = looking as f64 / counts.vertices as f64;
+        eprintln!("{name}: {rmse:.4}, {rays:.0} rays a vertex to place vertices");
+        assert!(rays < most, "{name}: {rays} rays a vertex");
+    }
 }
 
 /// A hundred runs, of which 95 keep what they promise:

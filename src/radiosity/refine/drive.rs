@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 
 use super::face::{FaceLight, Sample};
 use super::probe::{LEAST_SHADOW_RAYS, Probe, ProbeRays};
+use super::scouts::{Cluster, clusters};
 use super::step::Step;
 use crate::mesh::{Bisected, Bisection, Conforming, Limits, Origin, Part, Refined};
 use crate::radiosity::gather::Gather;
@@ -283,9 +284,13 @@ impl<'a> Work<'a> {
             min_edge: MIN_EDGE,
         };
         let mut full = !self.cut_long_edges(&limits);
+        if self.errors.is_empty() {
+            self.scout()?;
+        }
         let mut error = 0.0;
         for _ in 0..ROUNDS {
-            self.judge()?;
+            let stale = mem::take(&mut self.stale).into_iter().collect();
+            self.judge(stale)?;
             self.weigh();
             error = self.error();
             let good = error <= self.asked;
@@ -410,9 +415,29 @@ impl<'a> Work<'a> {
         true
     }
 
-    /// Asks for light where faces are new, and judges them.
-    fn judge(&mut self) -> Result<(), Cancelled> {
-        let faces: Vec<u32> = mem::take(&mut self.stale).into_iter().collect();
+    /// Judges some of the small faces, and where these are good enough, leaves the others alone.
+    fn scout(&mut self) -> Result<(), Cancelled> {
+        let clusters = clusters(&self.conforming);
+        self.judge(clusters.iter().flat_map(Cluster::scouts).collect())?;
+        for cluster in clusters {
+            for scout in cluster.scouts() {
+                self.stale.remove(&scout);
+            }
+            let aim = (self.probe.kind, &self.refiner.level, self.asked);
+            if let Some(verdict) = cluster.verdict(&self.faces, aim) {
+                for face in cluster.faces {
+                    if self.stale.remove(&face) {
+                        let area = area(self.conforming.corners(face));
+                        self.faces[face as usize] = verdict.of(area);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Asks for the light of faces, and judges them.
+    fn judge(&mut self, faces: Vec<u32>) -> Result<(), Cancelled> {
         let observer = self.refiner.observer;
         let asked = map_ranges(faces.len(), CHUNK, Stage::Refine, observer, |range| {
             let mut rays = 0;

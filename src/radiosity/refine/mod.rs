@@ -33,6 +33,7 @@ mod control;
 mod drive;
 mod face;
 mod probe;
+mod scouts;
 mod step;
 
 pub(crate) use control::{Control, Found};
