@@ -3,6 +3,7 @@
 #define_import_path bevy_fresco::directional
 
 // As in Rust: src/radiosity/gradient.rs, where it is derived.
+const FAINT: f32 = 0.4;
 const MOST: f32 = 16.0;
 
 // Light as it was baked for the unit normal n, at the unit bumped normal, by its gradient in world space.
@@ -11,7 +12,9 @@ fn reshade(light: vec3<f32>, gradient: vec3<f32>, n: vec3<f32>, bumped: vec3<f32
     if level <= 0.0 {
         return light;
     }
-    return light * clamp(1.0 + dot(gradient, bumped - n) / level, 0.0, MOST);
+    let times = 1.0 + dot(gradient, bumped - n) / level;
+    let bent = FAINT * FAINT / (2.0 * FAINT - min(times, FAINT));
+    return light * min(max(times, bent), MOST);
 }
 
 // A gradient in world space: turned with its mesh, as long as it was.
