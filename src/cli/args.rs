@@ -1,11 +1,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::displace::DisplaceArgs;
 use super::height::HeightArgs;
 use super::method::MethodArgs;
+use super::uv::UvArgs;
 use crate::radiosity::{BakeSettings, Contribution, DirectLight};
 
 /// Bakes the diffuse light of glTF scenes into their vertices, makes height maps from photos, and raises
@@ -34,7 +35,8 @@ Examples:
       Raises what has the material plaster by up to 5 cm, into room.displaced.glb.
 
 `fresco info room.glb` says what a file holds and what a bake of it would take.
-`fresco bake --help`, `fresco height --help` and `fresco displace --help` explain every option.";
+`fresco uv room.glb` lays texture coordinates on meshes that have none.
+`fresco bake --help` and so on for each command explain every option.";
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
@@ -49,6 +51,9 @@ pub(super) enum Command {
     /// Raise the meshes of a scene by a height map: real relief, finely tessellated.
     #[command(after_help = super::displace::EXAMPLES)]
     Displace(Box<DisplaceArgs>),
+    /// Lay texture coordinates on meshes that have none: planar, box, cylinder or sphere.
+    #[command(after_help = super::uv::EXAMPLES)]
+    Uv(Box<UvArgs>),
 }
 
 #[derive(Debug, Args)]
@@ -396,5 +401,15 @@ mod tests {
         assert!(size("64").is_err() && size("0x4").is_err() && size("9000x4").is_err());
         assert!(below_one("1").is_err() && below_one("0").is_ok());
         assert!(positive("0").is_err() && positive("inf").is_err());
+    }
+}
+
+/// One number above 0 for both ways, or two.
+pub(super) fn times(text: &str) -> Result<Vec2, String> {
+    let parts: Vec<f32> = text.split(',').map(positive).collect::<Result<_, _>>()?;
+    match parts[..] {
+        [both] => Ok(Vec2::splat(both)),
+        [u, v] => Ok(Vec2::new(u, v)),
+        _ => Err("give one number, or two as U,V".into()),
     }
 }

@@ -1,4 +1,4 @@
-//! The command line: `fresco bake`, `fresco info`, `fresco height` and `fresco displace`.
+//! The command line: `fresco bake`, `fresco info`, `fresco height`, `fresco displace` and `fresco uv`.
 //!
 //! ```text
 //!   args ─► load ─► validate ─► memory ─► bake ─► export, picture, report ─► write all ─► summary
@@ -14,6 +14,7 @@ mod failure;
 mod height;
 mod info;
 mod memory;
+mod meshes;
 mod method;
 mod outputs;
 mod picture;
@@ -21,6 +22,7 @@ mod progress;
 mod report;
 mod scene;
 mod summary;
+mod uv;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -78,6 +80,7 @@ pub fn run_in(
             Command::Info(args) => info::info_command(session, &args, out),
             Command::Height(args) => height::height_command(session, &args, out),
             Command::Displace(args) => displace::displace_command(session, &args, out),
+            Command::Uv(args) => uv::uv_command(session, &args, out),
         });
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -10,11 +10,13 @@ mod interpolate;
 mod marks;
 mod materials;
 mod primitive;
+mod projected;
 mod refine;
 mod skin;
 mod vertex_colors;
 
 pub use self::displaced::{DisplacedPrimitive, to_displaced_glb};
+pub use self::projected::{ProjectedPrimitive, to_projected_glb};
 use self::{earlier::EarlierLight, glb::Glb, gradient::Nodes, vertex_colors::Painter};
 use super::{Document, GltfError, PrimitiveKey};
 use crate::radiosity::{DirectLight, ObjectLight};

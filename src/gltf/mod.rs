@@ -4,7 +4,8 @@
 //! came from; [`to_glb`] writes that document again with baked light in its vertices. What neither
 //! knows goes through untouched. The contract of what is written stands in `docs/file_formats.md`.
 //!
-//! [`load_surfaces`] and [`to_displaced_glb`] do the same for meshes that are displaced, each in its own space.
+//! [`load_surfaces`] and [`to_displaced_glb`] do the same for meshes that are displaced, each in its own space, and
+//! [`to_projected_glb`] for meshes that get texture coordinates.
 //!
 //! | in | out |
 //! |---|---|
@@ -36,8 +37,8 @@ pub use camera::{GltfCamera, GltfProjection};
 pub use document::{Document, PrimitiveKey};
 pub use error::GltfError;
 pub use export::{
-    BakedPrimitive, DisplacedPrimitive, ExportOptions, Exported, LightEncoding, to_displaced_glb,
-    to_glb,
+    BakedPrimitive, DisplacedPrimitive, ExportOptions, Exported, LightEncoding, ProjectedPrimitive,
+    to_displaced_glb, to_glb, to_projected_glb,
 };
 pub use import::{GltfScene, load};
 pub use relief::MaterialDisplacement;

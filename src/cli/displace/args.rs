@@ -4,9 +4,10 @@ use clap::{Args, ValueEnum};
 use glam::Vec2;
 
 use super::relief::Relief;
-use crate::cli::args::{number, positive, within};
+use crate::cli::args::{number, positive, times, within};
 use crate::cli::height::KernelArg;
 use crate::cli::memory::amount;
+use crate::cli::meshes::wanted;
 use crate::displacement::{Direction, DisplacementSettings, Spacing, Tessellation};
 use crate::height_map::{PrepareSettings, Stretch, Wrap};
 
@@ -133,7 +134,7 @@ impl DisplaceArgs {
     }
 
     pub(super) fn wanted(&self, names: &[&str]) -> bool {
-        self.only.is_empty() || self.only.iter().any(|only| names.contains(&only.as_str()))
+        wanted(&self.only, names)
     }
 
     /// For a mesh whose unit is so many metres.
@@ -190,13 +191,4 @@ impl ReliefArgs {
 
 fn degrees(text: &str) -> Result<f32, String> {
     within(text, |v| (0.0..=180.0).contains(&v), "0 to 180")
-}
-
-fn times(text: &str) -> Result<Vec2, String> {
-    let parts: Vec<f32> = text.split(',').map(positive).collect::<Result<_, _>>()?;
-    match parts[..] {
-        [both] => Ok(Vec2::splat(both)),
-        [u, v] => Ok(Vec2::new(u, v)),
-        _ => Err("give one number, or two as U,V".into()),
-    }
 }

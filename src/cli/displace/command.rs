@@ -1,15 +1,15 @@
 use std::io::Write;
-use std::path::PathBuf;
 use std::time::Instant;
 
 use glam::Vec2;
 
 use super::args::DisplaceArgs;
 use super::relief::{Relief, Reliefs};
-use super::summary::{Done, summary};
+use super::summary::Done;
 use crate::cli::Session;
 use crate::cli::failure::Failure;
-use crate::cli::outputs::{all_writable, extension, same};
+use crate::cli::meshes::{nothing, spare, summary};
+use crate::cli::outputs::{all_writable, extension};
 use crate::cli::progress::Progress;
 use crate::cli::scene::{go_on, on_threads, resources};
 use crate::displacement::{Base, Displaced, DisplacementError, displace};
@@ -27,35 +27,19 @@ pub(in crate::cli) fn displace_command(
     let output = args.output();
     extension(&output, &["glb"], "the result is binary glTF")?;
     all_writable(&[&output])?;
-    spare(
-        args,
-        [&args.scene]
-            .into_iter()
-            .chain(&args.map)
-            .map(PathBuf::as_path),
-    )?;
+    spare(&output, [&args.scene].into_iter().chain(&args.map))?;
     let (bytes, done) = on_threads(args.threads, |_| make(session, args))?;
     go_on(session)?;
     write_atomically(&output, &bytes)?;
     if !args.quiet {
-        write!(out, "{}", summary(&output, bytes.len() as u64, &done))?;
+        let size = bytes.len() as u64;
+        write!(
+            out,
+            "{}",
+            summary(&done.lines, &done.notes, (&output, size))
+        )?;
     }
     Ok(())
-}
-
-/// An error if the result would replace one of the files it is made from.
-fn spare<'a>(
-    args: &DisplaceArgs,
-    inputs: impl IntoIterator<Item = &'a std::path::Path>,
-) -> Result<(), Failure> {
-    let output = args.output();
-    match inputs.into_iter().find(|input| same(&output, input)) {
-        None => Ok(()),
-        Some(path) => Err(Failure::Error(format!(
-            "{} is what the result is made from and would be overwritten: choose another name (-o)",
-            path.display()
-        ))),
-    }
 }
 
 fn make(session: &Session, args: &DisplaceArgs) -> Result<(Vec<u8>, Done), Failure> {
@@ -63,7 +47,7 @@ fn make(session: &Session, args: &DisplaceArgs) -> Result<(Vec<u8>, Done), Failu
     progress.step("load");
     let file = load_surfaces(&args.scene, args.map.as_ref().map(|_| args.relief.uv))?;
     let beside = resources(&file.document);
-    spare(args, beside.iter().map(PathBuf::as_path))?;
+    spare(&args.output(), &beside)?;
     let mut reliefs = Reliefs::new(args, &file)?;
     go_on(session)?;
 
@@ -80,7 +64,8 @@ fn make(session: &Session, args: &DisplaceArgs) -> Result<(Vec<u8>, Done), Failu
         }
     }
     if displaced.is_empty() {
-        return Err(nothing(args, &file.meshes));
+        let purpose = "to displace";
+        return Err(nothing(&args.scene, &args.only, &file.meshes, purpose));
     }
     progress.step("export");
     let primitives: Vec<DisplacedPrimitive> = (displaced.iter())
@@ -120,8 +105,8 @@ fn displace_mesh(
     displace(&bases, &relief.heights, &settings, progress).map_err(|error| match error {
         DisplacementError::Cancelled => Failure::Cancelled,
         DisplacementError::NoUvs { .. } => Failure::Error(format!(
-            "{}: {} has no TEXCOORD_{}, which tells where on the map it is: unwrap it, choose another \
-             set{}, or leave it out (--only)",
+            "{}: {} has no TEXCOORD_{}, which tells where on the map it is: unwrap it or lay some on it (fresco uv), \
+             choose another set{}, or leave it out (--only)",
             args.scene.display(),
             mesh.name,
             relief.uv_set,
@@ -129,25 +114,4 @@ fn displace_mesh(
         )),
         other => Failure::Error(format!("{}: {}: {other}", args.scene.display(), mesh.name)),
     })
-}
-
-fn nothing(args: &DisplaceArgs, meshes: &[MeshSurface]) -> Failure {
-    let mut names: Vec<&str> = (meshes.iter())
-        .flat_map(|mesh| {
-            let materials = mesh.primitives.iter().map(|p| p.material.as_str());
-            materials.chain([mesh.name.as_str()])
-        })
-        .filter(|name| !name.is_empty())
-        .collect();
-    names.sort_unstable();
-    names.dedup();
-    let scene = args.scene.display();
-    match names.is_empty() {
-        true => Failure::Error(format!("{scene} has no triangles to displace")),
-        false => Failure::Error(format!(
-            "{scene} has nothing named {}: it has {}",
-            args.only.join(" or "),
-            names.join(", ")
-        )),
-    }
 }

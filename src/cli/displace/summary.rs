@@ -1,14 +1,13 @@
-use std::path::Path;
 use std::time::Duration;
 
 use crate::displacement::{DisplacementReport, Stop};
 use crate::gltf::MeshSurface;
-use crate::text::{bytes, counted, percent, seconds, short};
+use crate::text::{counted, percent, seconds, short};
 
 /// What was done, and what to know about it.
 #[derive(Debug, Default)]
 pub(super) struct Done {
-    lines: Vec<String>,
+    pub(super) lines: Vec<String>,
     pub(super) notes: Vec<String>,
 }
 
@@ -112,20 +111,4 @@ impl Done {
             ));
         }
     }
-}
-
-/// For the terminal.
-pub(super) fn summary(output: &Path, size: u64, done: &Done) -> String {
-    let mut text = String::new();
-    for line in &done.lines {
-        text.push_str(&format!("{line}\n"));
-    }
-    if !done.notes.is_empty() {
-        text.push_str("\nnotes\n");
-    }
-    for note in &done.notes {
-        text.push_str(&format!("  - {note}\n"));
-    }
-    text.push_str(&format!("\nwrote {} ({})\n", output.display(), bytes(size)));
-    text
 }

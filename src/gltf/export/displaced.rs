@@ -94,8 +94,10 @@ fn write(glb: &mut Glb, displaced: &DisplacedPrimitive<'_>) -> Result<(), GltfEr
     }
     remove(glb, target, &[BAKED_LIGHT, BAKED_LIGHT_GRADIENT]);
     turn_tangents(&mut attributes, &part.normals);
-    replace(&mut attributes, "POSITION", &part.positions);
-    replace(&mut attributes, "NORMAL", &part.normals);
+    for (name, values) in [("POSITION", &part.positions), ("NORMAL", &part.normals)] {
+        let values = values.iter().flat_map(|v| v.to_array());
+        replace(&mut attributes, name, ElementKind::VEC3, values);
+    }
     for (name, data) in attributes {
         let accessor = push_attribute(glb, &name, &data);
         if let Some(attributes) = attributes_mut(glb, target) {
@@ -141,12 +143,16 @@ fn drop_relief(glb: &mut Glb, targets: &[Target]) {
     }
 }
 
-fn replace(attributes: &mut Attributes, name: &str, values: &[Vec3]) {
+/// Puts values in the place of an attribute's, or adds it.
+pub(super) fn replace(
+    attributes: &mut Attributes,
+    name: &str,
+    kind: ElementKind,
+    values: impl Iterator<Item = f32>,
+) {
     let data = AccessorData {
-        kind: ElementKind::VEC3,
-        values: (values.iter().flat_map(|v| v.to_array()))
-            .map(f64::from)
-            .collect(),
+        kind,
+        values: values.map(f64::from).collect(),
     };
     match attributes.iter_mut().find(|(known, _)| known == name) {
         Some((_, old)) => *old = data,

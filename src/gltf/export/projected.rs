@@ -1,0 +1,101 @@
+//! Writes the first set of texture coordinates of meshes, whose vertices are cut apart where charts meet.
+
+use super::{
+    Exported,
+    displaced::replace,
+    glb::Glb,
+    images,
+    instances::Target,
+    primitive::{
+        BAKED_LIGHT, BAKED_LIGHT_GRADIENT, attributes_mut, push_attribute, remove, vertex_count,
+    },
+    refine::{self, Source},
+};
+use crate::{
+    gltf::{Document, GltfError, PrimitiveKey, accessor_json::ElementKind},
+    mesh::{RefinedMesh, SurfacePoint, UvMesh},
+};
+
+/// Texture coordinates and the primitive they are for.
+#[derive(Clone, Copy, Debug)]
+pub struct ProjectedPrimitive<'a> {
+    /// Which primitive.
+    pub key: PrimitiveKey,
+    /// The primitive's triangles as loaded.
+    pub triangles: &'a [[u32; 3]],
+    /// What they became.
+    pub mesh: &'a UvMesh,
+}
+
+/// Writes `document` with new `TEXCOORD_0` as a single `.glb`.
+///
+/// Vertices that are part of several charts are there once for each, with all they had. Tangents, which followed other
+/// coordinates, are left out: programs make them anew. So is light of an earlier bake, whose vertices these were.
+///
+/// # Errors
+///
+/// [`GltfError`] if a mesh does not belong to the document, or the result is too large for one file.
+pub fn to_projected_glb(
+    document: &Document,
+    projected: &[ProjectedPrimitive<'_>],
+) -> Result<Exported, GltfError> {
+    let mut glb = Glb::merge(document)?;
+    images::embed_images(&mut glb);
+    for projected in projected {
+        write(&mut glb, projected)?;
+    }
+    glb.finish()
+}
+
+fn write(glb: &mut Glb, projected: &ProjectedPrimitive<'_>) -> Result<(), GltfError> {
+    let ProjectedPrimitive {
+        key,
+        triangles,
+        mesh,
+    } = *projected;
+    let target = Target {
+        mesh: key.mesh,
+        primitive: key.primitive,
+    };
+    let primitive = target.of(&glb.json).clone();
+    let count = vertex_count(glb, &primitive)?;
+    let source = Source {
+        key,
+        triangles,
+        flipped: false,
+    };
+    let mut attributes = refine::refine(glb, target, count, &source, &parted(mesh))?;
+    for light in [BAKED_LIGHT, BAKED_LIGHT_GRADIENT] {
+        if primitive["attributes"].get(light).is_some() {
+            glb.notes.push(format!(
+                "{key:?} had the light of an earlier bake, which fits no more: bake the result again"
+            ));
+        }
+    }
+    remove(glb, target, &[BAKED_LIGHT, BAKED_LIGHT_GRADIENT, "TANGENT"]);
+    attributes.retain(|(name, _)| name != "TANGENT");
+    let uvs = mesh.uvs.iter().flat_map(|uv| uv.to_array());
+    replace(&mut attributes, "TEXCOORD_0", ElementKind::VEC2, uvs);
+    for (name, data) in attributes {
+        let accessor = push_attribute(glb, &name, &data);
+        if let Some(attributes) = attributes_mut(glb, target) {
+            attributes.insert(name, accessor.into());
+        }
+    }
+    Ok(())
+}
+
+/// The same surface, with the vertices that it has now.
+fn parted(mesh: &UvMesh) -> RefinedMesh {
+    let mut vertices = vec![SurfacePoint::corner(0, 0); mesh.uvs.len()];
+    for (triangle, corners) in (0..).zip(&mesh.triangles) {
+        for (corner, &vertex) in corners.iter().enumerate() {
+            vertices[vertex as usize] = SurfacePoint::corner(triangle, corner);
+        }
+    }
+    RefinedMesh {
+        vertices,
+        triangles: mesh.triangles.clone(),
+        sources: (0..mesh.triangles.len() as u32).collect(),
+    }
+}
