@@ -28,6 +28,7 @@ pub(crate) fn count(count: u64) -> String {
 }
 
 /// A number with its noun, in the plural where it has to be.
+#[cfg(feature = "cli")]
 pub(crate) fn counted(number: u64, noun: &str) -> String {
     let plural = if number == 1 {
         noun.to_owned()
@@ -77,7 +78,7 @@ pub(crate) fn short(value: f64) -> String {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "cli"))]
 mod tests {
     use super::*;
 

@@ -342,6 +342,16 @@ fn size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| "give width x height, each 1 to 8192, like 960x720".into())
 }
 
+/// One number above 0 for both ways, or two.
+pub(super) fn times(text: &str) -> Result<Vec2, String> {
+    let parts: Vec<f32> = text.split(',').map(positive).collect::<Result<_, _>>()?;
+    match parts[..] {
+        [both] => Ok(Vec2::splat(both)),
+        [u, v] => Ok(Vec2::new(u, v)),
+        _ => Err("give one number, or two as U,V".into()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
@@ -401,15 +411,5 @@ mod tests {
         assert!(size("64").is_err() && size("0x4").is_err() && size("9000x4").is_err());
         assert!(below_one("1").is_err() && below_one("0").is_ok());
         assert!(positive("0").is_err() && positive("inf").is_err());
-    }
-}
-
-/// One number above 0 for both ways, or two.
-pub(super) fn times(text: &str) -> Result<Vec2, String> {
-    let parts: Vec<f32> = text.split(',').map(positive).collect::<Result<_, _>>()?;
-    match parts[..] {
-        [both] => Ok(Vec2::splat(both)),
-        [u, v] => Ok(Vec2::new(u, v)),
-        _ => Err("give one number, or two as U,V".into()),
     }
 }

@@ -26,6 +26,8 @@
 //! That all faces end up with a like share of the error is what makes the mesh the cheapest for it
 //! (Dörfler 1996, "A convergent adaptive algorithm for Poisson's equation", marks like this).
 //!
+//! Where faces are many and small, a few of them are judged in the place of all ([`scouts`]).
+//!
 //! It is done twice: for the smooth light that rays gather, which few vertices can carry, and inside
 //! that mesh for light with sharp edges, whose shadow rays are cheap.
 
