@@ -26,16 +26,6 @@ const METHODS: [FormFactors; 4] = [
 /// Elements at most where all of them are looked at from each: more keep one waiting.
 const FEW_ELEMENTS: u32 = 1000;
 
-/// What S goes through.
-const SOLVERS: [Solver; 6] = [
-    Solver::GaussSeidelMeanField,
-    Solver::GaussSeidel,
-    Solver::Jacobi,
-    Solver::Sor { omega: 1.2 },
-    Solver::ProgressiveRefinement,
-    Solver::ConjugateGradients,
-];
-
 fn main() -> AppExit {
     App::new()
         .add_plugins((common::default_plugins("Cornell box"), FrescoPlugins))
@@ -89,7 +79,7 @@ fn keys(
         settings.bake.elements = elements(next, &BakeSettings::BALANCED);
     }
     if keys.just_pressed(KeyCode::KeyS) {
-        settings.bake.solver = after(&SOLVERS, settings.bake.solver);
+        settings.bake.solver = after(&Solver::ALL, settings.bake.solver);
     }
     if keys.just_pressed(KeyCode::KeyR) {
         let red = walls.iter().find(|(name, _)| name.starts_with("Red wall"));

@@ -13,15 +13,6 @@ use bevy_fresco::radiosity::{
 use common::{grey, quad, room, scene};
 use glam::{Vec3, Vec4};
 
-const SOLVERS: [Solver; 6] = [
-    Solver::GaussSeidelMeanField,
-    Solver::GaussSeidel,
-    Solver::Jacobi,
-    Solver::Sor { omega: 1.2 },
-    Solver::ProgressiveRefinement,
-    Solver::ConjugateGradients,
-];
-
 /// A closed box with a shining ceiling, everything of one reflectance.
 fn closed_box(rho: f32) -> ValidScene {
     let objects = room(Vec3::new(2.0, 1.5, 3.0), 1, [0, 1, 0, 0, 0, 0]);
@@ -137,7 +128,7 @@ fn all_solvers_agree_with_elimination_within_their_bounds() {
     let count = reference.elements.len();
     assert!((400..900).contains(&count), "{count} elements");
     let truth: Vec<Vec<f64>> = (0..3).map(|c| eliminated(&reference, c)).collect();
-    for solver in SOLVERS {
+    for solver in Solver::ALL {
         let light = solve_elements(&scene, &settings(solver, 600), &()).unwrap();
         let report = &light.report.solver;
         assert!(report.converged, "{solver:?}: {report:?}");
@@ -175,7 +166,7 @@ fn all_solvers_agree_with_elimination_within_their_bounds() {
 #[test]
 fn light_does_not_depend_on_the_number_of_threads() {
     let scene = open_room();
-    for solver in SOLVERS {
+    for solver in Solver::ALL {
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let settings = settings(solver, 3000);
@@ -420,7 +411,7 @@ fn partial_light_can_be_drawn() {
 
 #[test]
 fn every_solver_shows_its_sweeps() {
-    for solver in SOLVERS {
+    for solver in Solver::ALL {
         let looking = Looking::default();
         let light = solve_elements(&closed_box(0.5), &settings(solver, 200), &looking).unwrap();
         let seen = looking.0.into_inner().unwrap();

@@ -32,22 +32,13 @@ const FORM_FACTORS: [FormFactors; 4] = [
     FormFactors::AreaSampling { samples: 2 },
 ];
 
-const SOLVERS: [Solver; 6] = [
-    Solver::GaussSeidelMeanField,
-    Solver::GaussSeidel,
-    Solver::Jacobi,
-    Solver::Sor { omega: 1.2 },
-    Solver::ProgressiveRefinement,
-    Solver::ConjugateGradients,
-];
-
 /// Each form-factor method with the default solver, and each solver with hit lists.
 fn methods() -> impl Iterator<Item = BakeSettings> {
     let of_form_factors = FORM_FACTORS.map(|form_factors| BakeSettings {
         form_factors,
         ..SETTINGS
     });
-    let of_solver = SOLVERS.map(|solver| BakeSettings { solver, ..SETTINGS });
+    let of_solver = Solver::ALL.map(|solver| BakeSettings { solver, ..SETTINGS });
     of_form_factors.into_iter().chain(of_solver)
 }
 
@@ -162,7 +153,7 @@ fn another_solver_only_solves_again() {
         };
         let (mut baker, _) = baked(&settings);
         let rows = kept(&baker);
-        for solver in SOLVERS.into_iter().skip(1) {
+        for solver in Solver::ALL.into_iter().skip(1) {
             settings.solver = solver;
             baker.set_settings(settings.clone());
             let resumed = baker.bake(room(), &()).unwrap();

@@ -7,7 +7,6 @@ use super::relief::Relief;
 use crate::cli::args::{number, positive, times, within};
 use crate::cli::height::KernelArg;
 use crate::cli::memory::amount;
-use crate::cli::meshes::wanted;
 use crate::displacement::{Direction, DisplacementSettings, Spacing, Tessellation};
 use crate::height_map::{PrepareSettings, Stretch, Wrap};
 
@@ -131,10 +130,6 @@ enum DirectionArg {
 impl DisplaceArgs {
     pub(super) fn output(&self) -> PathBuf {
         (self.output.clone()).unwrap_or_else(|| self.scene.with_extension("displaced.glb"))
-    }
-
-    pub(super) fn wanted(&self, names: &[&str]) -> bool {
-        wanted(&self.only, names)
     }
 
     /// For a mesh whose unit is so many metres.

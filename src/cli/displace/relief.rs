@@ -3,6 +3,7 @@
 use super::args::DisplaceArgs;
 use crate::cli::failure::Failure;
 use crate::cli::height::{ImageFile, KernelArg, decode, read};
+use crate::cli::meshes::wanted;
 use crate::gltf::{GltfSurfaces, MaterialDisplacement, MeshSurface, PrimitiveSurface};
 use crate::height_map::{HeightMap, Kernel, Precision, Warning, Wrap, prepare_data};
 use crate::radiosity;
@@ -79,8 +80,8 @@ impl Reliefs {
         args: &DisplaceArgs,
         mesh: &'a MeshSurface,
     ) -> Vec<(usize, Vec<&'a PrimitiveSurface>)> {
-        let wanted = |p: &&PrimitiveSurface| args.wanted(&[&mesh.name, &p.material]);
-        let wanted: Vec<_> = mesh.primitives.iter().filter(wanted).collect();
+        let asked = |p: &&PrimitiveSurface| wanted(&args.only, &[&mesh.name, &p.material]);
+        let wanted: Vec<_> = mesh.primitives.iter().filter(asked).collect();
         let groups = (0..self.list.len()).map(|i| {
             let ours = |p: &&&PrimitiveSurface| self.given || p.displacement == Some(i);
             (i, wanted.iter().filter(ours).copied().collect::<Vec<_>>())

@@ -11,19 +11,12 @@ use super::{
     images,
     instances::Target,
     materials::free_materials,
-    primitive::{
-        Attributes, BAKED_LIGHT, BAKED_LIGHT_GRADIENT, attributes_mut, push_attribute, remove,
-        vertex_count,
-    },
+    primitive::{Attributes, replace},
     refine::{self, Source},
 };
 use crate::{
     displacement::{DisplacedPart, raised_tangent},
-    gltf::{
-        Document, GltfError, PrimitiveKey,
-        accessor_json::{AccessorData, ElementKind},
-        relief::EXTENSION,
-    },
+    gltf::{Document, GltfError, PrimitiveKey, accessor_json::ElementKind, relief::EXTENSION},
 };
 
 /// A displaced mesh and the primitive it takes the place of.
@@ -76,35 +69,18 @@ fn write(glb: &mut Glb, displaced: &DisplacedPrimitive<'_>) -> Result<(), GltfEr
         triangles,
         part,
     } = *displaced;
-    let target = displaced.target();
-    let primitive = target.of(&glb.json).clone();
-    let count = vertex_count(glb, &primitive)?;
     let source = Source {
         key,
         triangles,
         flipped: false,
     };
-    let mut attributes = refine::refine(glb, target, count, &source, &part.mesh)?;
-    for light in [BAKED_LIGHT, BAKED_LIGHT_GRADIENT] {
-        if primitive["attributes"].get(light).is_some() {
-            glb.notes.push(format!(
-                "{key:?} had the light of an earlier bake, which fits no more: bake the result again"
-            ));
+    refine::rewrite(glb, &source, &part.mesh, |attributes| {
+        turn_tangents(attributes, &part.normals);
+        for (name, values) in [("POSITION", &part.positions), ("NORMAL", &part.normals)] {
+            let values = values.iter().flat_map(|v| v.to_array());
+            replace(attributes, name, ElementKind::VEC3, values);
         }
-    }
-    remove(glb, target, &[BAKED_LIGHT, BAKED_LIGHT_GRADIENT]);
-    turn_tangents(&mut attributes, &part.normals);
-    for (name, values) in [("POSITION", &part.positions), ("NORMAL", &part.normals)] {
-        let values = values.iter().flat_map(|v| v.to_array());
-        replace(&mut attributes, name, ElementKind::VEC3, values);
-    }
-    for (name, data) in attributes {
-        let accessor = push_attribute(glb, &name, &data);
-        if let Some(attributes) = attributes_mut(glb, target) {
-            attributes.insert(name, accessor.into());
-        }
-    }
-    Ok(())
+    })
 }
 
 /// Takes displacement out of the materials of displaced primitives, in a copy where others have the same.
@@ -140,23 +116,6 @@ fn drop_relief(glb: &mut Glb, targets: &[Target]) {
     };
     if !materials.is_some_and(|all| all.iter().any(has)) {
         glb.drop_extension(EXTENSION);
-    }
-}
-
-/// Puts values in the place of an attribute's, or adds it.
-pub(super) fn replace(
-    attributes: &mut Attributes,
-    name: &str,
-    kind: ElementKind,
-    values: impl Iterator<Item = f32>,
-) {
-    let data = AccessorData {
-        kind,
-        values: values.map(f64::from).collect(),
-    };
-    match attributes.iter_mut().find(|(known, _)| known == name) {
-        Some((_, old)) => *old = data,
-        None => attributes.push((name.to_owned(), data)),
     }
 }
 

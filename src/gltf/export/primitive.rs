@@ -67,16 +67,38 @@ pub(super) fn write_primitive(
             write_light(glb, target, before, BAKED_LIGHT_GRADIENT, &gradient);
         }
     }
+    write_attributes(glb, target, attributes);
+    Ok(())
+}
+
+/// Writes attributes, each in the place of that of its name.
+pub(super) fn write_attributes(glb: &mut Glb, target: Target, attributes: Attributes) {
     for (name, data) in attributes {
         let accessor = push_attribute(glb, &name, &data);
         if let Some(attributes) = attributes_mut(glb, target) {
             attributes.insert(name, accessor.into());
         }
     }
-    Ok(())
 }
 
-pub(super) fn remove(glb: &mut Glb, target: Target, names: &[&str]) {
+/// Puts values in the place of an attribute's, or adds it.
+pub(super) fn replace(
+    attributes: &mut Attributes,
+    name: &str,
+    kind: ElementKind,
+    values: impl Iterator<Item = f32>,
+) {
+    let data = AccessorData {
+        kind,
+        values: values.map(f64::from).collect(),
+    };
+    match attributes.iter_mut().find(|(known, _)| known == name) {
+        Some((_, old)) => *old = data,
+        None => attributes.push((name.to_owned(), data)),
+    }
+}
+
+fn remove(glb: &mut Glb, target: Target, names: &[&str]) {
     if let Some(attributes) = attributes_mut(glb, target) {
         for name in names {
             attributes.shift_remove(*name);

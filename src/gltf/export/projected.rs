@@ -2,13 +2,9 @@
 
 use super::{
     Exported,
-    displaced::replace,
     glb::Glb,
     images,
-    instances::Target,
-    primitive::{
-        BAKED_LIGHT, BAKED_LIGHT_GRADIENT, attributes_mut, push_attribute, remove, vertex_count,
-    },
+    primitive::replace,
     refine::{self, Source},
 };
 use crate::{
@@ -53,36 +49,16 @@ fn write(glb: &mut Glb, projected: &ProjectedPrimitive<'_>) -> Result<(), GltfEr
         triangles,
         mesh,
     } = *projected;
-    let target = Target {
-        mesh: key.mesh,
-        primitive: key.primitive,
-    };
-    let primitive = target.of(&glb.json).clone();
-    let count = vertex_count(glb, &primitive)?;
     let source = Source {
         key,
         triangles,
         flipped: false,
     };
-    let mut attributes = refine::refine(glb, target, count, &source, &parted(mesh))?;
-    for light in [BAKED_LIGHT, BAKED_LIGHT_GRADIENT] {
-        if primitive["attributes"].get(light).is_some() {
-            glb.notes.push(format!(
-                "{key:?} had the light of an earlier bake, which fits no more: bake the result again"
-            ));
-        }
-    }
-    remove(glb, target, &[BAKED_LIGHT, BAKED_LIGHT_GRADIENT, "TANGENT"]);
-    attributes.retain(|(name, _)| name != "TANGENT");
-    let uvs = mesh.uvs.iter().flat_map(|uv| uv.to_array());
-    replace(&mut attributes, "TEXCOORD_0", ElementKind::VEC2, uvs);
-    for (name, data) in attributes {
-        let accessor = push_attribute(glb, &name, &data);
-        if let Some(attributes) = attributes_mut(glb, target) {
-            attributes.insert(name, accessor.into());
-        }
-    }
-    Ok(())
+    refine::rewrite(glb, &source, &parted(mesh), |attributes| {
+        attributes.retain(|(name, _)| name != "TANGENT");
+        let uvs = mesh.uvs.iter().flat_map(|uv| uv.to_array());
+        replace(attributes, "TEXCOORD_0", ElementKind::VEC2, uvs);
+    })
 }
 
 /// The same surface, with the vertices that it has now.

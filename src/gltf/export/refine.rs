@@ -7,7 +7,10 @@ use super::{
     glb::{ELEMENT_ARRAY_BUFFER, Glb, Numbers},
     instances::Target,
     interpolate::{Blend, Rule},
-    primitive::{Attributes, push_attribute, source_attributes},
+    primitive::{
+        Attributes, BAKED_LIGHT, BAKED_LIGHT_GRADIENT, attributes_mut, push_attribute,
+        source_attributes, vertex_count, write_attributes,
+    },
     skin,
 };
 use crate::{
@@ -25,6 +28,37 @@ pub(super) struct Source<'a> {
     pub(super) triangles: &'a [[u32; 3]],
     /// Import turned them around.
     pub(super) flipped: bool,
+}
+
+/// Gives a primitive other geometry, with the attributes that `change` leaves. Light of an earlier bake, which fits no
+/// more, is left out and told of.
+pub(super) fn rewrite(
+    glb: &mut Glb,
+    source: &Source<'_>,
+    mesh: &RefinedMesh,
+    change: impl FnOnce(&mut Attributes),
+) -> Result<(), GltfError> {
+    let key = source.key;
+    let target = Target {
+        mesh: key.mesh,
+        primitive: key.primitive,
+    };
+    let primitive = target.of(&glb.json).clone();
+    let count = vertex_count(glb, &primitive)?;
+    let mut attributes = refine(glb, target, count, source, mesh)?;
+    for light in [BAKED_LIGHT, BAKED_LIGHT_GRADIENT] {
+        if primitive["attributes"].get(light).is_some() {
+            glb.notes.push(format!(
+                "{key:?} had the light of an earlier bake, which fits no more: bake the result again"
+            ));
+        }
+    }
+    change(&mut attributes);
+    if let Some(before) = attributes_mut(glb, target) {
+        before.retain(|name, _| attributes.iter().any(|(known, _)| known == name));
+    }
+    write_attributes(glb, target, attributes);
+    Ok(())
 }
 
 /// Writes the triangles and morph targets of `mesh`; returns its attributes, which the caller

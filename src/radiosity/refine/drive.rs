@@ -284,6 +284,7 @@ impl<'a> Work<'a> {
             min_edge: MIN_EDGE,
         };
         let mut full = !self.cut_long_edges(&limits);
+        // Nothing was judged before.
         if self.errors.is_empty() {
             self.scout()?;
         }

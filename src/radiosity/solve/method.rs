@@ -66,6 +66,16 @@ pub enum Solver {
 }
 
 impl Solver {
+    /// One of each kind.
+    pub const ALL: [Self; 6] = [
+        Self::GaussSeidelMeanField,
+        Self::GaussSeidel,
+        Self::Jacobi,
+        Self::Sor { omega: 1.2 },
+        Self::ProgressiveRefinement,
+        Self::ConjugateGradients,
+    ];
+
     /// A short name for people.
     pub const fn name(self) -> &'static str {
         match self {
