@@ -28,13 +28,12 @@
 #endif
 #endif
 
-#import bevy_fresco::bump_surface::fresco
+#import bevy_fresco::bindings
 #ifdef FRESCO_BUMP
 #import bevy_fresco::{bump, bump_surface}
 #endif
 #ifdef FRESCO_PARALLAX
 #import bevy_fresco::pbr_fragment::pbr_input_from_standard_material
-#import bevy_pbr::pbr_bindings::material
 #else
 #import bevy_pbr::pbr_fragment::pbr_input_from_standard_material
 #endif
@@ -83,9 +82,9 @@ fn fragment(
         on,
     );
 #ifdef FRESCO_PARALLAX
-    // Never bindless: see `bind_group.rs`.
-    let seen = bump_surface::look(in, on, on_mesh, material.uv_transform);
-    let seen_uvs = bump_surface::seen_uvs(seen, material.uv_transform);
+    let uv_transform = bindings::uv_transform(on.slot);
+    let seen = bump_surface::look(in, on, on_mesh, uv_transform);
+    let seen_uvs = bump_surface::seen_uvs(seen, uv_transform);
     var pbr_input = pbr_input_from_standard_material(in, is_front, seen_uvs);
 #else
     let seen = on_mesh;
@@ -124,10 +123,11 @@ fn fragment(
     // The deferred pass would add it to unlit surfaces too.
 #ifdef VERTEX_BAKED_LIGHT
     if is_lit {
-        pbr_input.lightmap_light = max(baked_light, vec3(0.0)) * fresco.params.x;
+        let gain = bindings::gain(bindings::slot_of(in.instance_index));
+        pbr_input.lightmap_light = gain * max(baked_light, vec3(0.0));
 #ifdef VERTEX_BAKED_LIGHT_GRADIENT
         // It belongs to the normals of the mesh: either side shows the same light.
-        let gradient = side * baked_light_gradient * fresco.params.x;
+        let gradient = side * gain * baked_light_gradient;
         pbr_input.lightmap_light = reshade(pbr_input.lightmap_light, gradient, n, pbr_input.N);
 #endif
     }

@@ -96,6 +96,7 @@ pub(super) fn plugin(app: &mut App) {
     }
     load_shader_library!(app, "directional.wgsl");
     // What shaders import is found by its path, so that Bevy's `embedded_watcher` reloads it.
+    load_shader_library!(app, "bindings.wgsl");
     load_shader_library!(app, "bump/bump.wgsl");
     load_shader_library!(app, "bump/parallax.wgsl");
     load_shader_library!(app, "bump/surface.wgsl");

@@ -15,6 +15,7 @@ mod double_light;
 mod fresco_views;
 mod gizmos;
 mod like_bevys_lightmap;
+mod many_materials;
 mod other_devices;
 mod parallax;
 mod picture;

@@ -176,6 +176,11 @@ impl Stage {
         &self.app
     }
 
+    /// Its world.
+    pub(crate) fn world(&mut self) -> &mut World {
+        self.app.world_mut()
+    }
+
     /// What the camera sees, from 3 m in front of the origin, of what `scene` puts there: black
     /// where there is nothing, and alpha 0.
     pub(crate) fn shoot(

@@ -164,38 +164,16 @@ fn height_of(texel: vec4<f32>) -> f32 {
     return texel.x + texel.y;
 }
 
-// Four texels of a row.
-fn row_of(heights: texture_2d<f32>, columns: vec4<i32>, y: i32) -> vec4<f32> {
-    return vec4(
-        height_of(textureLoad(heights, vec2(columns.x, y), 0)),
-        height_of(textureLoad(heights, vec2(columns.y, y), 0)),
-        height_of(textureLoad(heights, vec2(columns.z, y), 0)),
-        height_of(textureLoad(heights, vec2(columns.w, y), 0)),
-    );
-}
-
-// Height and slopes between texels by a cubic, for magnified maps.
-fn cubic_relief(heights: texture_2d<f32>, uv: vec2<f32>, repeats: vec2<bool>, passes_by: bool) -> Relief {
-    let size = vec2<i32>(textureDimensions(heights, 0));
-    let place = uv * vec2<f32>(size) - 0.5;
-    let first = vec2<i32>(floor(place));
-    let t = place - floor(place);
+// Height and slopes between texels by a cubic, for magnified maps. `texels`: heights −1 to 2, each row a column of
+// the matrix; `t`: from those at 0 towards 1; `size`: of the map.
+fn cubic_relief(texels: mat4x4<f32>, t: vec2<f32>, size: vec2<f32>, passes_by: bool) -> Relief {
     let across = select(through_texels(t.x), past_texels(t.x), passes_by);
     let down = select(through_texels(t.y), past_texels(t.y), passes_by);
     let across_slope = select(through_texels_slope(t.x), past_texels_slope(t.x), passes_by);
     let down_slope = select(through_texels_slope(t.y), past_texels_slope(t.y), passes_by);
-    let columns = inside(first.x + vec4(-1, 0, 1, 2), size.x, repeats.x);
-    let rows = inside(first.y + vec4(-1, 0, 1, 2), size.y, repeats.y);
-    // One column of texels each.
-    let texels = mat4x4(
-        row_of(heights, columns, rows.x),
-        row_of(heights, columns, rows.y),
-        row_of(heights, columns, rows.z),
-        row_of(heights, columns, rows.w),
-    );
     let by_row = across * texels;
     let slopes = vec2(dot(across_slope * texels, down), dot(by_row, down_slope));
-    return Relief(dot(by_row, down), slopes * vec2<f32>(size), vec2(0.0));
+    return Relief(dot(by_row, down), slopes * size, vec2(0.0));
 }
 
 // Slopes and their variance from means and mean squares, of which `steepest` is the unit.

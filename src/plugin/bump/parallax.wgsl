@@ -1,8 +1,10 @@
-// Where a ray of sight meets relief: the march through a height map, without anything bound.
+// Where a ray of sight meets relief: the march through the main bump's height map.
 //
 // The same as `src/bump/parallax.rs` of this crate, name by name; derivations are there.
 
 #define_import_path bevy_fresco::parallax
+
+#import bevy_fresco::bindings
 
 // Reads of bounds at most.
 const MOST_STEPS: i32 = 512;
@@ -57,10 +59,10 @@ fn slide(normal: vec3<f32>, view: vec3<f32>, up: vec3<f32>, steepest: f32) -> ve
 // The level of a map whose texels are no larger than pixels, and larger than half of them: taken once for all of
 // a ray, from what the mesh's texture coordinates change by to the next pixels. Of coarse derivatives, so that the
 // four pixels of a quad take the same: llvmpipe reads the same size for them.
-fn mip_of(dx: vec2<f32>, dy: vec2<f32>, heights: texture_2d<f32>) -> i32 {
-    let size = vec2<f32>(textureDimensions(heights, 0));
+fn mip_of(slot: u32, dx: vec2<f32>, dy: vec2<f32>) -> i32 {
+    let size = vec2<f32>(bindings::heights_size(slot));
     let texels = max(length(dx * size), length(dy * size));
-    return clamp(i32(floor(log2(max(texels, 1.0)))), 0, i32(textureNumLevels(heights)) - 1);
+    return clamp(i32(floor(log2(max(texels, 1.0)))), 0, bindings::heights_levels(slot) - 1);
 }
 
 fn remainder(i: vec2<i32>, n: vec2<i32>) -> vec2<i32> {
@@ -69,10 +71,10 @@ fn remainder(i: vec2<i32>, n: vec2<i32>) -> vec2<i32> {
 }
 
 // Heights 0 to 1 are kept as the sum of two half floats.
-fn share_at(heights: texture_2d<f32>, at: vec2<i32>, mip: i32, repeats: vec2<bool>, is_inverted: bool) -> f32 {
-    let size = size_of(vec2<i32>(textureDimensions(heights, 0)), mip);
+fn share_at(slot: u32, at: vec2<i32>, mip: i32, repeats: vec2<bool>, is_inverted: bool) -> f32 {
+    let size = size_of(bindings::heights_size(slot), mip);
     let inside = select(clamp(at, vec2(0), size - 1), remainder(at, size), repeats);
-    let texel = textureLoad(heights, inside, mip);
+    let texel = bindings::heights_texel(slot, inside, mip);
     let share = texel.x + texel.y;
     return select(share, 1.0 - share, is_inverted);
 }
@@ -84,12 +86,12 @@ fn size_of(finest: vec2<i32>, level: i32) -> vec2<i32> {
 
 // Height that nothing in the block with this patch goes beyond. `level`: of the map; blocks of it lie where
 // `atlas.rs` puts them, two a texel.
-fn ceiling_of(bounds: texture_2d<f32>, block: vec2<i32>, finest: vec2<i32>, level: i32, is_inverted: bool) -> f32 {
+fn ceiling_of(slot: u32, block: vec2<i32>, finest: vec2<i32>, level: i32, is_inverted: bool) -> f32 {
     let above = finest.y >> u32(max(level - 1, 0));
     let row = finest.y - above + max(level - firstLeadingBit(finest.y) - 2, 0);
     let first = select(vec2(0), vec2(finest.x, row), level > 0);
     let at = first + min(block, size_of(finest, level) - 1);
-    let pair = textureLoad(bounds, vec2(at.x >> 1u, at.y), 0);
+    let pair = bindings::bounds_texel(slot, vec2(at.x >> 1u, at.y));
     let own = select(pair.xy, pair.zw, (at.x & 1) == 1);
     return select(own.x, own.y, is_inverted);
 }
@@ -127,8 +129,8 @@ fn onward(place: vec2<f32>, slope: vec2<f32>, patch_at: vec2<i32>, block: Block)
 }
 
 // The first point of the surface on a ray, on level `mip` of the map.
-fn march(heights: texture_2d<f32>, bounds: texture_2d<f32>, repeats: vec2<bool>, ray: Ray, mip: i32) -> Hit {
-    let finest = vec2<i32>(textureDimensions(heights, 0));
+fn march(slot: u32, repeats: vec2<bool>, ray: Ray, mip: i32) -> Hit {
+    let finest = bindings::heights_size(slot);
     let size = size_of(finest, mip);
     let slope = ray.slide * vec2<f32>(size);
     let uv = select(ray.uv, ray.uv - floor(ray.uv), repeats);
@@ -136,7 +138,7 @@ fn march(heights: texture_2d<f32>, bounds: texture_2d<f32>, repeats: vec2<bool>,
     let start = uv * vec2<f32>(size) - 0.5 - slope * (1.0 - ray.level);
     let moves = abs(slope) > vec2(LEAST);
     let inverse = 1.0 / select(vec2(1.0), slope, moves);
-    let coarsest = i32(textureNumLevels(heights)) - 1 - mip;
+    let coarsest = bindings::heights_levels(slot) - 1 - mip;
     var level = clamp(i32(log2(max(length(slope), 1.0))) - 3, 0, coarsest);
     var s = 0.0;
     var reads = 0.0;
@@ -147,7 +149,7 @@ fn march(heights: texture_2d<f32>, bounds: texture_2d<f32>, repeats: vec2<bool>,
         let leaves = select(vec2(2.0), (border - start) * inverse, moves);
         let out = max(s, min(min(leaves.x, leaves.y), 1.0));
         let inside = clamp(patch_at - block.period, vec2(0), size - 1);
-        let ceiling = ceiling_of(bounds, inside >> vec2(u32(level)), finest, mip + level, ray.is_inverted);
+        let ceiling = ceiling_of(slot, inside >> vec2(u32(level)), finest, mip + level, ray.is_inverted);
         reads += 1.0;
         if 1.0 - out <= ceiling {
             if level > 0 {
@@ -159,10 +161,10 @@ fn march(heights: texture_2d<f32>, bounds: texture_2d<f32>, repeats: vec2<bool>,
             }
             reads += 4.0;
             let corners = vec4(
-                share_at(heights, patch_at, mip, repeats, ray.is_inverted),
-                share_at(heights, patch_at + vec2(1, 0), mip, repeats, ray.is_inverted),
-                share_at(heights, patch_at + vec2(0, 1), mip, repeats, ray.is_inverted),
-                share_at(heights, patch_at + vec2(1, 1), mip, repeats, ray.is_inverted),
+                share_at(slot, patch_at, mip, repeats, ray.is_inverted),
+                share_at(slot, patch_at + vec2(1, 0), mip, repeats, ray.is_inverted),
+                share_at(slot, patch_at + vec2(0, 1), mip, repeats, ray.is_inverted),
+                share_at(slot, patch_at + vec2(1, 1), mip, repeats, ray.is_inverted),
             );
             let at = start + s * slope - vec2<f32>(patch_at);
             let hit = meets(at, slope, corners, s, out);

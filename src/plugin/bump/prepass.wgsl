@@ -1,7 +1,7 @@
 // Bevy's prepass fragment shader (bevy_pbr 0.19.1, render/pbr_prepass.wgsl) with relief, for the pass that
 // writes normals.
 
-#import bevy_fresco::{bump, bump_surface}
+#import bevy_fresco::{bindings, bump, bump_surface}
 #import bevy_render::bindless::{bindless_samplers_filtering, bindless_textures_2d}
 #import bevy_pbr::{
     pbr_prepass_functions,
@@ -9,7 +9,6 @@
     pbr_types,
     pbr_functions,
     prepass_io::{VertexOutput, FragmentOutput},
-    mesh_bindings::mesh,
     mesh_view_bindings::view,
 }
 #ifdef BINDLESS
@@ -25,14 +24,9 @@ fn fragment(
     @location(13) by_v: vec3<f32>,
 #endif
 ) -> FragmentOutput {
-#ifdef BINDLESS
-    let slot = mesh[in.instance_index].material_and_lightmap_bind_group_slot & 0xffffu;
-    let flags = pbr_bindings::material_array[material_indices[slot].material].flags;
-    let uv_transform = pbr_bindings::material_array[material_indices[slot].material].uv_transform;
-#else
-    let flags = pbr_bindings::material.flags;
-    let uv_transform = pbr_bindings::material.uv_transform;
-#endif
+    let on = bump_surface::surface(in);
+    let flags = bindings::flags(on.slot);
+    let uv_transform = bindings::uv_transform(on.slot);
 
 #ifdef VISIBILITY_RANGE_DITHER
     pbr_functions::visibility_range_dither(in.position, in.visibility_range_dither);
@@ -42,7 +36,6 @@ fn fragment(
     let side = select(1.0, -1.0, double_sided && !is_front);
     let n = side * normalize(in.world_normal);
 
-    let on = bump_surface::surface(in);
     let on_mesh = bump_surface::channels(
         in,
 #ifdef VERTEX_UV_GRADIENTS
@@ -61,8 +54,13 @@ fn fragment(
 #ifdef FRESCO_NORMAL_MAP
 #ifdef FRESCO_PARALLAX
     let Nt = textureSampleGrad(
+#ifdef BINDLESS
+        bindless_textures_2d[material_indices[on.slot].normal_map_texture],
+        bindless_samplers_filtering[material_indices[on.slot].normal_map_sampler],
+#else
         pbr_bindings::normal_map_texture,
         pbr_bindings::normal_map_sampler,
+#endif
 #ifdef STANDARD_MATERIAL_NORMAL_MAP_UV_B
         seen_uvs.uv_b, seen_uvs.uv_b_dx, seen_uvs.uv_b_dy,
 #else
@@ -77,8 +75,8 @@ fn fragment(
 #endif
     let Nt = textureSampleBias(
 #ifdef BINDLESS
-        bindless_textures_2d[material_indices[slot].normal_map_texture],
-        bindless_samplers_filtering[material_indices[slot].normal_map_sampler],
+        bindless_textures_2d[material_indices[on.slot].normal_map_texture],
+        bindless_samplers_filtering[material_indices[on.slot].normal_map_sampler],
 #else
         pbr_bindings::normal_map_texture,
         pbr_bindings::normal_map_sampler,

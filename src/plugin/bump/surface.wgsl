@@ -1,8 +1,8 @@
-// The bumps of a material on a surface: what is bound, and what of it `bump.wgsl` makes.
+// The bumps of a material on a surface: what `bump.wgsl` makes of what is bound.
 
 #define_import_path bevy_fresco::bump_surface
 
-#import bevy_fresco::bump
+#import bevy_fresco::{bindings, bump}
 #import bevy_pbr::{
     mesh_functions,
     mesh_view_bindings::view,
@@ -15,38 +15,6 @@
 #import bevy_pbr::prepass_io::VertexOutput
 #else
 #import bevy_pbr::forward_io::VertexOutput
-#endif
-
-// `BumpUniform` in `settings.rs`.
-struct Bump {
-    // Rows of the transform of texture coordinates; w: height of the map's 1, and what it is measured in.
-    row_u: vec4<f32>,
-    row_v: vec4<f32>,
-    // Size of the map, unit of its slopes, bits: what repeats, whether the cubic passes by texels.
-    size: vec4<f32>,
-    // Of heights: that of the texture's 0, and how much higher its 1 is.
-    range: vec4<f32>,
-    // Height of the mesh between the two, steepest slope of sight, and how much relief is left at a distance d:
-    // z − w d.
-    sight: vec4<f32>,
-}
-
-struct Fresco {
-    // x: gain of baked light.
-    params: vec4<f32>,
-    main_bump: Bump,
-    detail_bump: Bump,
-}
-@group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> fresco: Fresco;
-
-#ifdef FRESCO_BUMP
-@group(#{MATERIAL_BIND_GROUP}) @binding(101) var bump_slopes: texture_2d<f32>;
-@group(#{MATERIAL_BIND_GROUP}) @binding(102) var bump_sampler: sampler;
-@group(#{MATERIAL_BIND_GROUP}) @binding(103) var bump_heights: texture_2d<f32>;
-@group(#{MATERIAL_BIND_GROUP}) @binding(104) var detail_slopes: texture_2d<f32>;
-@group(#{MATERIAL_BIND_GROUP}) @binding(105) var detail_sampler: sampler;
-#ifdef FRESCO_PARALLAX
-@group(#{MATERIAL_BIND_GROUP}) @binding(106) var bump_bounds: texture_2d<f32>;
 #endif
 
 // What heights are measured in.
@@ -64,6 +32,8 @@ const PASSES_BY: u32 = 4u;
 // A surface as it is without relief, and all that bumps need of it, found where all pixels of a quad run
 // (`surface`).
 struct Surface {
+    // Of the material.
+    slot: u32,
     // Outward, also where it is seen from behind.
     normal: vec3<f32>,
     a: vec3<f32>,
@@ -113,6 +83,7 @@ struct Channels {
 
 fn surface(in: VertexOutput) -> Surface {
     var found: Surface;
+    found.slot = bindings::slot_of(in.instance_index);
     found.normal = normalize(in.world_normal);
     // Of differences to the camera: far from the origin they are exacter.
     let place = in.world_position.xyz - view.world_position.xyz;
@@ -167,20 +138,14 @@ fn transformed(uv: Coordinates, row_u: vec3<f32>, row_v: vec3<f32>) -> Coordinat
     );
 }
 
-fn sample_slopes(slopes: texture_2d<f32>, by: sampler, one: Bump, uv: Coordinates) -> bump::Relief {
-    let bias = exp2(view.mip_bias);
-    let moments = textureSampleGrad(slopes, by, uv.at, bias * uv.dx, bias * uv.dy);
-    return bump::relief_of_moments(moments, one.size.z);
-}
-
 // What heights are measured in: for those of the map, how long a unit of its coordinates is on the surface.
-fn width_of(uv: Coordinates, one: Bump) -> f32 {
+fn width_of(uv: Coordinates, one: bindings::Bump) -> f32 {
     let width = sqrt(2.0 / max(dot(uv.by_u, uv.by_u) + dot(uv.by_v, uv.by_v), 1e-30));
     return select(1.0, width, one.row_v.w == IN_UV);
 }
 
 // Adds a bump: `relief` at `uv`.
-fn add(sum: Sum, one: Bump, relief: bump::Relief, uv: Coordinates) -> Sum {
+fn add(sum: Sum, one: bindings::Bump, relief: bump::Relief, uv: Coordinates) -> Sum {
     let in_mesh = one.row_v.w == IN_MESH;
     let scale = one.row_u.w * width_of(uv, one);
     let gradient = scale * (relief.slopes.x * uv.by_u + relief.slopes.y * uv.by_v);
@@ -197,17 +162,43 @@ fn add(sum: Sum, one: Bump, relief: bump::Relief, uv: Coordinates) -> Sum {
 }
 
 #ifdef FRESCO_MAIN_BUMP
-fn sample_bump(uv: Coordinates) -> bump::Relief {
-    let one = fresco.main_bump;
-    var relief = sample_slopes(bump_slopes, bump_sampler, one, uv);
+#ifdef FRESCO_CUBIC
+// Four texels of a row of heights.
+fn row_of(slot: u32, columns: vec4<i32>, y: i32) -> vec4<f32> {
+    return vec4(
+        bump::height_of(bindings::heights_texel(slot, vec2(columns.x, y), 0)),
+        bump::height_of(bindings::heights_texel(slot, vec2(columns.y, y), 0)),
+        bump::height_of(bindings::heights_texel(slot, vec2(columns.z, y), 0)),
+        bump::height_of(bindings::heights_texel(slot, vec2(columns.w, y), 0)),
+    );
+}
+
+fn cubic_relief(slot: u32, uv: vec2<f32>, bits: u32) -> bump::Relief {
+    let size = bindings::heights_size(slot);
+    let place = uv * vec2<f32>(size) - 0.5;
+    let first = vec2<i32>(floor(place));
+    let columns = bump::inside(first.x + vec4(-1, 0, 1, 2), size.x, (bits & REPEATS_U) != 0u);
+    let rows = bump::inside(first.y + vec4(-1, 0, 1, 2), size.y, (bits & REPEATS_V) != 0u);
+    let texels = mat4x4(
+        row_of(slot, columns, rows.x),
+        row_of(slot, columns, rows.y),
+        row_of(slot, columns, rows.z),
+        row_of(slot, columns, rows.w),
+    );
+    return bump::cubic_relief(texels, place - floor(place), vec2<f32>(size), (bits & PASSES_BY) != 0u);
+}
+#endif
+
+fn sample_bump(slot: u32, one: bindings::Bump, uv: Coordinates) -> bump::Relief {
+    let bias = exp2(view.mip_bias);
+    let moments = bindings::main_moments(slot, uv.at, bias * uv.dx, bias * uv.dy);
+    var relief = bump::relief_of_moments(moments, one.size.z);
 #ifdef FRESCO_CUBIC
     let magnified = bump::magnified(uv.dx, uv.dy, one.size.xy);
     // The first condition always holds. It stands there for Mesa 22.3's lavapipe, which crashes on conditions
     // in which it finds uniforms before it finds something else.
     if abs(relief.slopes.x) < bump::HUGE && magnified > 0.0 {
-        let bits = u32(one.size.w);
-        let repeats = vec2((bits & REPEATS_U) != 0u, (bits & REPEATS_V) != 0u);
-        let cubic = bump::cubic_relief(bump_heights, uv.at, repeats, (bits & PASSES_BY) != 0u);
+        let cubic = cubic_relief(slot, uv.at, u32(one.size.w));
         relief.slopes = mix(relief.slopes, one.range.y * cubic.slopes, magnified);
         relief.variance *= 1.0 - magnified;
     }
@@ -215,8 +206,7 @@ fn sample_bump(uv: Coordinates) -> bump::Relief {
     relief.variance *= 1.0 - bump::magnified(uv.dx, uv.dy, one.size.xy);
 #endif
 #ifdef FRESCO_CURVATURE
-    let bias = exp2(view.mip_bias);
-    let texel = textureSampleGrad(bump_heights, bump_sampler, uv.at, bias * uv.dx, bias * uv.dy);
+    let texel = bindings::main_heights(slot, uv.at, bias * uv.dx, bias * uv.dy);
     relief.height = one.range.x + one.range.y * bump::height_of(texel);
 #endif
     return relief;
@@ -253,21 +243,21 @@ fn by_material(uv: Coordinates, m: mat3x3<f32>) -> Coordinates {
 
 #ifdef FRESCO_MAIN_BUMP
 // The main bump's own texture coordinates.
-fn on_main_bump(at: Channels, uv_transform: mat3x3<f32>) -> Coordinates {
+fn on_main_bump(one: bindings::Bump, at: Channels, uv_transform: mat3x3<f32>) -> Coordinates {
 #ifdef FRESCO_MAIN_UV_B
     let uv = by_material(at.b, uv_transform);
 #else
     let uv = by_material(at.a, uv_transform);
 #endif
-    return transformed(uv, fresco.main_bump.row_u.xyz, fresco.main_bump.row_v.xyz);
+    return transformed(uv, one.row_u.xyz, one.row_v.xyz);
 }
 #endif
 
 #ifdef FRESCO_PARALLAX
 // Moves texture coordinates from where the ray of sight meets the mesh to where it meets the relief.
 fn look(in: VertexOutput, on: Surface, mesh: Channels, uv_transform: mat3x3<f32>) -> Channels {
-    let one = fresco.main_bump;
-    let uv = on_main_bump(mesh, uv_transform);
+    let one = bindings::main_bump(on.slot);
+    let uv = on_main_bump(one, mesh, uv_transform);
     let V = calculate_view(in.world_position, view.clip_from_view[3].w == 1.0);
     // Whichever way triangles are wound or mirrored, and whatever Bevy takes for the front.
     let face = cross(on.a, on.b);
@@ -280,11 +270,11 @@ fn look(in: VertexOutput, on: Surface, mesh: Channels, uv_transform: mat3x3<f32>
     let away = distance(in.world_position.xyz, view.world_position.xyz);
     let left = clamp(one.sight.z - one.sight.w * away, 0.0, 1.0);
     let bias = exp2(view.mip_bias);
-    let mip = parallax::mip_of(bias * dpdxCoarse(uv.at), bias * dpdyCoarse(uv.at), bump_heights);
+    let mip = parallax::mip_of(on.slot, bias * dpdxCoarse(uv.at), bias * dpdyCoarse(uv.at));
     let depth = abs(one.row_u.w) * width * one.range.y * left;
     let by_depth = depth * vec2(dot(uv.by_u, slide), dot(uv.by_v, slide));
     // What moves by less than half a texel, and so by less than half a pixel, is left out, and comes in by and by.
-    let finest = vec2<i32>(textureDimensions(bump_heights, 0));
+    let finest = bindings::heights_size(on.slot);
     let texels = length(by_depth * vec2<f32>(parallax::size_of(finest, mip)));
     let shown = smoothstep(0.5, 1.0, texels);
 
@@ -305,8 +295,7 @@ fn look(in: VertexOutput, on: Surface, mesh: Channels, uv_transform: mat3x3<f32>
     // Written so that what is no number fails it.
     if abs(on.normal.y) < bump::HUGE && shown > 0.0 && texels < MOST_TEXELS {
         let hit = parallax::march(
-            bump_heights,
-            bump_bounds,
+            on.slot,
             select(vec2(false), repeats, always),
             ray,
             select(0, mip, always),
@@ -339,8 +328,9 @@ fn raise(
 ) -> Raised {
     var sum = Sum(vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, 0.0);
 #ifdef FRESCO_MAIN_BUMP
-    let uv = on_main_bump(seen, uv_transform);
-    sum = add(sum, fresco.main_bump, sample_bump(uv), uv);
+    let main = bindings::main_bump(on.slot);
+    let uv = on_main_bump(main, seen, uv_transform);
+    sum = add(sum, main, sample_bump(on.slot, main, uv), uv);
 #endif
 #ifdef FRESCO_DETAIL_BUMP
 #ifdef FRESCO_DETAIL_UV_B
@@ -348,9 +338,11 @@ fn raise(
 #else
     let detail_on = by_material(seen.a, uv_transform);
 #endif
-    let detail_uv = transformed(detail_on, fresco.detail_bump.row_u.xyz, fresco.detail_bump.row_v.xyz);
-    let detail = sample_slopes(detail_slopes, detail_sampler, fresco.detail_bump, detail_uv);
-    sum = add(sum, fresco.detail_bump, detail, detail_uv);
+    let detail = bindings::detail_bump(on.slot);
+    let detail_uv = transformed(detail_on, detail.row_u.xyz, detail.row_v.xyz);
+    let bias = exp2(view.mip_bias);
+    let moments = bindings::detail_moments(on.slot, detail_uv.at, bias * detail_uv.dx, bias * detail_uv.dy);
+    sum = add(sum, detail, bump::relief_of_moments(moments, detail.size.z), detail_uv);
 #endif
 
     // The mesh's own unit may be longer than a metre, and stand aslant where it is scaled unevenly. A surface
@@ -379,4 +371,3 @@ fn raise(
 #endif
     return raised;
 }
-#endif // FRESCO_BUMP
