@@ -59,7 +59,7 @@ impl Cell {
     }
 
     /// Adds a square of the mesh in a material of its own.
-    fn show(self, world: &mut World, mesh: &Handle<Mesh>, has_parallax: bool) -> Entity {
+    fn show(self, world: &mut World, mesh: &Handle<Mesh>, look: Look) {
         let half = self.colour().sqrt();
         let base_color_texture = Some(add(world, self.texture()));
         // 1 m of texture is 2 m of mesh, of which a cell is a part.
@@ -70,11 +70,12 @@ impl Cell {
                 base_color: Color::linear_rgb(half.x, half.y, half.z),
                 base_color_texture,
                 reflectance: 0.0,
+                specular_transmission: look.transmission,
                 ..default()
             },
             extension: FrescoExtension {
                 bump: Some(Bump {
-                    parallax: has_parallax.then(Parallax::default),
+                    parallax: look.has_parallax.then(Parallax::default),
                     ..Bump::new(add(world, map), BumpHeight::World(self.slope() * size))
                 }),
                 baked_light_gain: self.gain(),
@@ -85,10 +86,16 @@ impl Cell {
         let material = MeshMaterial3d(add(world, material));
         let at = Transform::from_xyz(at(self.x), -at(self.y), 0.0);
         let at = at.with_scale(Vec3::splat(1.0 / SIDE as f32));
-        world
-            .spawn((Mesh3d(mesh.clone()), material, at, Shown(self)))
-            .id()
+        world.spawn((Mesh3d(mesh.clone()), material, at, Shown(self)));
     }
+}
+
+/// What all materials of a picture have, and what it shows.
+#[derive(Clone, Copy, Default)]
+struct Look {
+    shows_normals: bool,
+    has_parallax: bool,
+    transmission: f32,
 }
 
 #[derive(Component, Clone, Copy)]
@@ -103,7 +110,7 @@ fn cells(generation: usize) -> impl Iterator<Item = Cell> {
 }
 
 /// Each cell shows the material it has.
-fn assert_own(stage: &mut Stage, name: &str, picture: &Picture, shows_normals: bool) {
+fn assert_own(stage: &mut Stage, name: &str, picture: &Picture, look: Look) {
     let mut shown = 0;
     for Shown(cell) in stage.world().query::<&Shown>().iter(stage.app().world()) {
         let cell = *cell;
@@ -111,12 +118,13 @@ fn assert_own(stage: &mut Stage, name: &str, picture: &Picture, shows_normals: b
         let pixels = picture.size / SIDE;
         let middle = (cell.y * pixels + pixels / 2) * picture.size + cell.x * pixels + pixels / 2;
         let found = normal(picture, middle);
-        if shows_normals {
+        if look.shows_normals {
             let expected = Vec3::new(-cell.slope(), 0.0, 1.0);
             let off = degrees(found, expected);
             assert!(off < 0.1, "{name}, {}: {found}, {off}°", cell.number());
         } else {
-            let expected = cell.colour() * cell.gain() * LIGHT * exposure();
+            let colour = cell.colour() * (1.0 - look.transmission);
+            let expected = colour * cell.gain() * LIGHT * exposure();
             let off = (found / expected - 1.0).abs().max_element();
             assert!(
                 off < 0.01,
@@ -129,20 +137,20 @@ fn assert_own(stage: &mut Stage, name: &str, picture: &Picture, shows_normals: b
 }
 
 /// Both pictures, of materials as they came, after half of them were exchanged, and after all were changed.
-fn draw(shows_normals: bool, has_parallax: bool) {
+fn draw(look: Look) {
     on_stage(move |stage| {
-        stage.show_normals(shows_normals);
+        stage.show_normals(look.shows_normals);
         let mut mesh = Handle::default();
         let picture = stage.shoot(
             |_| (),
             |world| {
                 mesh = add(world, lit(grid(), LIGHT));
                 for cell in cells(0) {
-                    cell.show(world, &mesh, has_parallax);
+                    cell.show(world, &mesh, look);
                 }
             },
         );
-        assert_own(stage, "as they came", &picture, shows_normals);
+        assert_own(stage, "as they came", &picture, look);
         let picture = stage.change(|world| {
             let old: Vec<_> = (world.query::<(Entity, &Shown)>().iter(world))
                 .filter(|(_, Shown(cell))| (cell.x + cell.y) % 2 == 0)
@@ -152,17 +160,17 @@ fn draw(shows_normals: bool, has_parallax: bool) {
                 world.despawn(entity);
             }
             for cell in cells(1).filter(|cell| (cell.x + cell.y) % 2 == 0) {
-                cell.show(world, &mesh, has_parallax);
+                cell.show(world, &mesh, look);
             }
         });
-        assert_own(stage, "half exchanged", &picture, shows_normals);
+        assert_own(stage, "half exchanged", &picture, look);
         let picture = stage.change(|world| {
             let mut materials = world.resource_mut::<Assets<FrescoMaterial>>();
             for (_, material) in materials.iter_mut() {
                 material.base.double_sided ^= true;
             }
         });
-        assert_own(stage, "changed", &picture, shows_normals);
+        assert_own(stage, "changed", &picture, look);
         let device = stage
             .app()
             .sub_app(RenderApp)
@@ -178,15 +186,30 @@ fn draw(shows_normals: bool, has_parallax: bool) {
 
 #[test]
 fn each_shows_its_colour() {
-    draw(false, false);
+    draw(Look::default());
+}
+
+#[test]
+fn each_shows_its_colour_where_light_goes_through() {
+    draw(Look {
+        transmission: 0.4,
+        ..default()
+    });
 }
 
 #[test]
 fn each_shows_its_relief() {
-    draw(true, false);
+    draw(Look {
+        shows_normals: true,
+        ..default()
+    });
 }
 
 #[test]
 fn each_shows_its_relief_from_the_side() {
-    draw(true, true);
+    draw(Look {
+        shows_normals: true,
+        has_parallax: true,
+        ..default()
+    });
 }

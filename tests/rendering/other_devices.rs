@@ -19,12 +19,14 @@ use crate::like_bevys_lightmap::{DEFERRED, method};
 use crate::scenery::{add, grid, lit, show_fresco};
 use crate::stage::{Stage, on_stage};
 
+const BINDLESS: &str = "BINDLESS";
 const ARRAYS: [&str; 4] = [
     "MULTIPLE_LIGHT_PROBES_IN_ARRAY",
     "MULTIPLE_LIGHTMAPS_IN_ARRAY",
     "IRRADIANCE_VOLUMES_ARE_USABLE",
     "CLUSTERED_DECALS_ARE_USABLE",
 ];
+const ARRAYS_AND_BINDLESS: [&str; 5] = [BINDLESS, ARRAYS[0], ARRAYS[1], ARRAYS[2], ARRAYS[3]];
 const WEBGL2: [&str; 5] = [
     "WEBGL2",
     "NO_ARRAY_TEXTURES_SUPPORT",
@@ -42,23 +44,32 @@ struct Device {
     extras: &'static [&'static [&'static str]],
 }
 
-const DEVICES: [Device; 2] = [
+const ON_DESKTOPS: [&[&str]; 4] = [
+    &[],
+    &["ENVIRONMENT_MAP"],
+    &["ENVIRONMENT_MAP", "IRRADIANCE_VOLUME"],
+    &["OIT_ENABLED"],
+];
+
+const DEVICES: [Device; 3] = [
     Device {
         name: "desktop",
         has: &ARRAYS,
+        lacks: &[BINDLESS],
+        storage_buffers: 8,
+        extras: &ON_DESKTOPS,
+    },
+    Device {
+        name: "bindless desktop",
+        has: &ARRAYS_AND_BINDLESS,
         lacks: &[],
         storage_buffers: 8,
-        extras: &[
-            &[],
-            &["ENVIRONMENT_MAP"],
-            &["ENVIRONMENT_MAP", "IRRADIANCE_VOLUME"],
-            &["OIT_ENABLED"],
-        ],
+        extras: &ON_DESKTOPS,
     },
     Device {
         name: "WebGL2",
         has: &WEBGL2,
-        lacks: &ARRAYS,
+        lacks: &ARRAYS_AND_BINDLESS,
         storage_buffers: 0,
         extras: &[&[], &["ENVIRONMENT_MAP"]],
     },
