@@ -78,6 +78,9 @@ const GRADIENT_LOCATION: u32 = 9;
 const U_GRADIENT_LOCATION: u32 = 12;
 const V_GRADIENT_LOCATION: u32 = 13;
 
+/// Where Bevy's prepasses have the normal.
+const PREPASS_NORMAL_LOCATION: u32 = 3;
+
 /// The pass that a pipeline is for.
 #[derive(Clone, Copy, PartialEq)]
 enum Pass {
@@ -85,7 +88,9 @@ enum Pass {
     Deferred,
     /// The prepass that writes normals, and nothing for the deferred renderer.
     Normals,
-    /// Depth alone, shadows, motion vectors.
+    /// Depth alone, shadows, motion vectors: of surfaces that may be cut out.
+    Cut,
+    /// The same of others.
     Other,
 }
 
@@ -102,6 +107,8 @@ impl Pass {
             Self::Deferred
         } else if has("NORMAL_PREPASS") {
             Self::Normals
+        } else if has("MAY_DISCARD") {
+            Self::Cut
         } else {
             Self::Other
         }
@@ -128,8 +135,12 @@ impl Shown {
         bumps: BumpKey,
         shader_defs: &[ShaderDefVal],
     ) -> Self {
-        let is_drawn = pass != Pass::Other;
         let has_uv = [Mesh::ATTRIBUTE_UV_0, Mesh::ATTRIBUTE_UV_1].map(|uv| layout.contains(uv));
+        let is_drawn = match pass {
+            Pass::Forward | Pass::Deferred | Pass::Normals => true,
+            Pass::Cut => bumps.on_mesh(has_uv).has_parallax(),
+            Pass::Other => false,
+        };
         let bumps = if is_drawn && layout.contains(Mesh::ATTRIBUTE_NORMAL) {
             bumps.on_mesh(has_uv)
         } else {
@@ -143,7 +154,9 @@ impl Shown {
             && shader_defs.contains(&"STANDARD_MATERIAL_NORMAL_MAP".into());
         Self {
             bumps,
-            has_uv_gradients: bumps.uses_uv_a()
+            // Bevy's vertex shader draws what is only cut out.
+            has_uv_gradients: pass != Pass::Cut
+                && bumps.uses_uv_a()
                 && layout.contains(ATTRIBUTE_U_GRADIENT)
                 && layout.contains(ATTRIBUTE_V_GRADIENT),
             has_baked_light,
@@ -191,7 +204,7 @@ impl Shown {
 
 impl MaterialExtension for FrescoExtension {
     /// Puts our shaders in the place of Bevy's where there is relief or baked light to show, and nowhere
-    /// else: shadows and depth are drawn by Bevy's own, as cheaply as ever.
+    /// else: shadows and depth are drawn by Bevy's own, as cheaply as ever, but for holes seen by parallax.
     fn specialize(
         _pipeline: &MaterialExtensionPipeline,
         descriptor: &mut RenderPipelineDescriptor,
@@ -215,7 +228,15 @@ impl MaterialExtension for FrescoExtension {
         let has_attributes = !attributes.is_empty();
         let attributes = layout.0.get_layout(&attributes)?.attributes;
         buffer.attributes.extend(attributes);
-        let defs = shown.shader_defs();
+        let mut defs = shown.shader_defs();
+        if pass == Pass::Cut {
+            // Bevy's vertex shader passes normals on under these names.
+            let normal = Mesh::ATTRIBUTE_NORMAL.at_shader_location(PREPASS_NORMAL_LOCATION);
+            (buffer.attributes).extend(layout.0.get_layout(&[normal])?.attributes);
+            let names = ["NORMAL_PREPASS_OR_DEFERRED_PREPASS", "VERTEX_NORMALS"].map(Into::into);
+            descriptor.vertex.shader_defs.extend(names.iter().cloned());
+            defs.extend(names);
+        }
         if has_attributes {
             descriptor.vertex.shader = shaders::VERTEX_SHADER;
             descriptor.vertex.shader_defs.extend(defs.iter().cloned());
@@ -224,7 +245,8 @@ impl MaterialExtension for FrescoExtension {
         (fragment.shader_defs).extend(instead.shader_def().map(Into::into));
         fragment.shader = match pass {
             Pass::Normals => shaders::PREPASS_SHADER,
-            _ => shaders::FRAGMENT_SHADER,
+            Pass::Cut => shaders::CUT_SHADER,
+            Pass::Forward | Pass::Deferred | Pass::Other => shaders::FRAGMENT_SHADER,
         };
         // In the deferred pass Bevy adds the light without being told.
         if pass == Pass::Forward && shown.has_baked_light {

@@ -27,6 +27,8 @@ pub(super) const FRAGMENT_SHADER: Handle<Shader> =
 /// Perturbs normals in the pass that writes them.
 pub(super) const PREPASS_SHADER: Handle<Shader> =
     uuid_handle!("5b1d1f0e-6c1c-4a51-9a6d-3f4a5d0f5a04");
+/// Cuts surfaces out where their relief is seen, in the other passes.
+pub(super) const CUT_SHADER: Handle<Shader> = uuid_handle!("5b1d1f0e-6c1c-4a51-9a6d-3f4a5d0f5a06");
 /// Bevy's `pbr_functions`, in which [`BAKED_LIGHT`] stands for `LIGHTMAP`.
 const PBR_FUNCTIONS: Handle<Shader> = uuid_handle!("5b1d1f0e-6c1c-4a51-9a6d-3f4a5d0f5a03");
 
@@ -111,6 +113,8 @@ fn add_own(mut shaders: ResMut<Assets<Shader>>) {
     add(&mut shaders, &FRAGMENT_SHADER, "fragment.wgsl", fragment);
     let prepass = include_str!("bump/prepass.wgsl");
     add(&mut shaders, &PREPASS_SHADER, "bump/prepass.wgsl", prepass);
+    let cut = include_str!("bump/cut.wgsl");
+    add(&mut shaders, &CUT_SHADER, "bump/cut.wgsl", cut);
 }
 
 fn load_bevys(mut commands: Commands, assets: Res<AssetServer>) {

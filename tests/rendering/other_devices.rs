@@ -35,6 +35,9 @@ const WEBGL2: [&str; 5] = [
     "SKINS_USE_UNIFORM_BUFFERS",
 ];
 
+/// What shadows of the sun are drawn with where depth cannot be clamped.
+const SHADOWS: &[&str] = &["UNCLIPPED_DEPTH_ORTHO_EMULATION", "PREPASS_FRAGMENT"];
+
 /// A kind of device, and what of the scene may be added on it.
 struct Device {
     name: &'static str,
@@ -71,7 +74,7 @@ const DEVICES: [Device; 3] = [
         has: &WEBGL2,
         lacks: &ARRAYS_AND_BINDLESS,
         storage_buffers: 0,
-        extras: &[&[], &["ENVIRONMENT_MAP"]],
+        extras: &[&[], &["ENVIRONMENT_MAP"], SHADOWS],
     },
 ];
 
@@ -103,7 +106,17 @@ fn shaders_are_valid_elsewhere() {
                         parallax: Some(Parallax::default()),
                         ..bump(world, waves_map([16; 2]), BumpHeight::World(0.1))
                     };
+                    let mask = StandardMaterial {
+                        alpha_mode: AlphaMode::Mask(0.5),
+                        ..base.clone()
+                    };
+                    show(world, mesh.clone(), mask, Some(seen.clone()), default());
                     show(world, mesh, base, Some(seen), default());
+                    let sun = DirectionalLight {
+                        shadow_maps_enabled: true,
+                        ..default()
+                    };
+                    world.spawn((sun, Transform::default()));
                 },
             );
         }
@@ -146,6 +159,10 @@ fn compose_for(stage: &Stage, device: &Device) -> usize {
                 continue;
             }
             for extra in device.extras {
+                let draws_shadows = shader.path.ends_with("bump/cut.wgsl");
+                if *extra == SHADOWS && !draws_shadows {
+                    continue;
+                }
                 // Without binding arrays Bevy's own lightmaps do not compile there, and ours with them.
                 if extra.contains(&"ENVIRONMENT_MAP")
                     && has(defs, "LIGHTMAP")

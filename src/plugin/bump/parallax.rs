@@ -7,7 +7,7 @@ use bevy::prelude::*;
 ///
 /// All textures of the material follow, on either set of texture coordinates; lightmaps and baked light do not. The
 /// outline stays that of the mesh, and so does the depth: what touches the surface cuts it in a straight line, and
-/// relief casts no shadows.
+/// relief casts no shadows; but holes of masked materials let light through where the light sees them.
 ///
 /// The march finds the first point of the surface between texels, whatever the depth and the angle, and reads
 /// about as many texels as other methods take layers (`docs/bump_mapping.md`). Pixels are no finer than texels for
@@ -23,6 +23,7 @@ pub struct Parallax {
     /// relief looks shallower than it is, rather than sliding over the surface.
     pub max_slope: f32,
     /// Distances from the camera in metres at which relief begins to become shallower and at which it is flat.
+    /// Orthographic views have no distances: relief is as deep everywhere.
     pub fade: Range<f32>,
 }
 

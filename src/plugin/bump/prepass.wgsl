@@ -96,16 +96,11 @@ fn fragment(
     let bumped = bump::facing(side * raised.normal, n, V);
 
     // Cut out where it is seen.
-    var cut = in;
 #ifdef FRESCO_PARALLAX
-#ifdef VERTEX_UVS_A
-    cut.uv = seen.a.at;
+    pbr_prepass_functions::prepass_alpha_discard(bump_surface::moved(in, seen));
+#else
+    pbr_prepass_functions::prepass_alpha_discard(in);
 #endif
-#ifdef VERTEX_UVS_B
-    cut.uv_b = seen.b.at;
-#endif
-#endif
-    pbr_prepass_functions::prepass_alpha_discard(cut);
 
     var out: FragmentOutput;
     // Unlit surfaces have the normals of their vertices.

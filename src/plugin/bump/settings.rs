@@ -174,6 +174,11 @@ impl BumpKey {
         self.has(Self::MAIN | Self::DETAIL)
     }
 
+    /// Whether the main bump is shown by parallax.
+    pub(in crate::plugin) fn has_parallax(self) -> bool {
+        self.has(Self::PARALLAX)
+    }
+
     /// Whether anything lies on the first texture coordinates, those that meshes may bring gradients of.
     pub(in crate::plugin) fn uses_uv_a(self) -> bool {
         self.has(Self::FOLLOWS_A)

@@ -258,7 +258,8 @@ fn on_main_bump(one: bindings::Bump, at: Channels, uv_transform: mat3x3<f32>) ->
 fn look(in: VertexOutput, on: Surface, mesh: Channels, uv_transform: mat3x3<f32>) -> Channels {
     let one = bindings::main_bump(on.slot);
     let uv = on_main_bump(one, mesh, uv_transform);
-    let V = calculate_view(in.world_position, view.clip_from_view[3].w == 1.0);
+    let is_orthographic = view.clip_from_view[3].w == 1.0;
+    let V = calculate_view(in.world_position, is_orthographic);
     // Whichever way triangles are wound or mirrored, and whatever Bevy takes for the front.
     let face = cross(on.a, on.b);
     let is_behind = (dot(face, V) < 0.0) != (dot(face, on.normal) < 0.0);
@@ -268,7 +269,8 @@ fn look(in: VertexOutput, on: Surface, mesh: Channels, uv_transform: mat3x3<f32>
 
     let width = width_of(uv, one);
     let away = distance(in.world_position.xyz, view.world_position.xyz);
-    let left = clamp(one.sight.z - one.sight.w * away, 0.0, 1.0);
+    // Nothing is far away in an orthographic view, as directional lights have.
+    let left = select(clamp(one.sight.z - one.sight.w * away, 0.0, 1.0), 1.0, is_orthographic);
     let bias = exp2(view.mip_bias);
     let mip = parallax::mip_of(on.slot, bias * dpdxCoarse(uv.at), bias * dpdyCoarse(uv.at));
     let depth = abs(one.row_u.w) * width * one.range.y * left;
@@ -307,6 +309,18 @@ fn look(in: VertexOutput, on: Surface, mesh: Channels, uv_transform: mat3x3<f32>
     seen.a.at += vec2(dot(mesh.a.by_u, moved), dot(mesh.a.by_v, moved));
     seen.b.at += vec2(dot(mesh.b.by_u, moved), dot(mesh.b.by_v, moved));
     return seen;
+}
+
+// What is drawn as if it lay where it is seen.
+fn moved(in: VertexOutput, seen: Channels) -> VertexOutput {
+    var out = in;
+#ifdef VERTEX_UVS_A
+    out.uv = seen.a.at;
+#endif
+#ifdef VERTEX_UVS_B
+    out.uv_b = seen.b.at;
+#endif
+    return out;
 }
 
 // For Bevy's own textures.

@@ -4,6 +4,7 @@
 //! Not tested, because there is none yet: depth (37), outlines (38), shadows of the relief (40, in part).
 
 mod hits;
+mod holes;
 mod passes;
 mod textures;
 mod views;
