@@ -9,4 +9,5 @@ mod gltf_colors;
 mod gltf_gradient;
 mod gltf_images;
 mod gltf_kept;
+mod gltf_projected;
 mod gltf_refined;

@@ -1,9 +1,12 @@
 //! Writes the first set of texture coordinates of meshes, whose vertices are cut apart where charts meet.
 
+use serde_json::Value;
+
 use super::{
     Exported,
     glb::Glb,
     images,
+    instances::Target,
     primitive::replace,
     refine::{self, Source},
 };
@@ -54,11 +57,25 @@ fn write(glb: &mut Glb, projected: &ProjectedPrimitive<'_>) -> Result<(), GltfEr
         triangles,
         flipped: false,
     };
+    let target = Target {
+        mesh: key.mesh,
+        primitive: key.primitive,
+    };
+    let primitive = target.of_mut(&mut glb.json);
+    drop_tangents(&mut primitive["attributes"]);
+    for morph in primitive["targets"].as_array_mut().into_iter().flatten() {
+        drop_tangents(morph);
+    }
     refine::rewrite(glb, &source, &parted(mesh), |attributes| {
-        attributes.retain(|(name, _)| name != "TANGENT");
         let uvs = mesh.uvs.iter().flat_map(|uv| uv.to_array());
         replace(attributes, "TEXCOORD_0", ElementKind::VEC2, uvs);
     })
+}
+
+fn drop_tangents(attributes: &mut Value) {
+    if let Some(attributes) = attributes.as_object_mut() {
+        attributes.shift_remove("TANGENT");
+    }
 }
 
 /// The same surface, with the vertices that it has now.
