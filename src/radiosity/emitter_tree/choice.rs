@@ -137,46 +137,40 @@ impl Choices {
 }
 
 impl Node {
-    /// An estimate, zero only where it is sure, of the light a node can send to a receiver.
+    /// An estimate, zero only where it is sure, of the light a node can send to a receiver: its power over
+    /// `d²`, times the largest cosines there can be at either end.
+    ///
+    /// Each of these is `cos max(0, θ − α)`, of an angle `θ` to the middle of the node and the half angle
+    /// `α` of what lies around it: the sphere that holds the node, seen under `sin α = r / d`, and at its own
+    /// end the cone of its normals as well. A walk down the tree asks often, so that all is kept as multiples
+    /// of `d` and one division ends it.
     fn importance(&self, receiver: &Receiver) -> f32 {
         let to = self.center - receiver.position;
-        let distance_squared = to.length_squared();
-        let radius_squared = self.radius * self.radius;
-        if distance_squared <= radius_squared {
-            return self.power / radius_squared.max(f32::MIN_POSITIVE);
+        let (square, radius) = (to.length_squared(), self.radius);
+        // Of the half angle under which the node is seen: cosine and sine, times d.
+        let rest = square - radius * radius;
+        if rest <= 0.0 {
+            return self.power / (radius * radius).max(f32::MIN_POSITIVE);
         }
-        let direction = to / distance_squared.sqrt();
-        // Half angle under which the node is seen.
-        let sine_squared = radius_squared / distance_squared;
-        let spread = Vec2::new((1.0 - sine_squared).max(0.0).sqrt(), sine_squared.sqrt());
-        let receives = cosine_minus(receiver.normal.dot(direction), spread);
-        let cone = Vec2::new(
-            self.cone_cosine,
-            (1.0 - self.cone_cosine * self.cone_cosine).max(0.0).sqrt(),
-        );
-        let sends = if self.cone_cosine <= -1.0 {
-            1.0
+        let spread = Vec2::new(rest.sqrt(), radius);
+        let receives = cosine_minus(receiver.normal.dot(to), spread, square);
+        // Of the sum of both angles.
+        let both = spread.rotate(self.cone);
+        let sends = if self.cone.x <= -1.0 || both.y < 0.0 {
+            square
         } else {
-            // cos max(0, θ − cone − spread), from the sum of both angles.
-            let both = Vec2::new(
-                cone.x * spread.x - cone.y * spread.y,
-                cone.y * spread.x + cone.x * spread.y,
-            );
-            if both.y < 0.0 {
-                1.0
-            } else {
-                cosine_minus(-self.axis.dot(direction), both)
-            }
+            cosine_minus(-self.axis.dot(to), both, square)
         };
-        self.power * receives.max(0.0) * sends.max(0.0) / distance_squared
+        let inverse = 1.0 / square;
+        self.power * (receives.max(0.0) * inverse) * (sends.max(0.0) * inverse) * inverse
     }
 }
 
-/// cos max(0, θ − α) for cosines of θ and the cosine and sine of α, both in 0..π.
-fn cosine_minus(cosine: f32, angle: Vec2) -> f32 {
+/// `d² cos max(0, θ − α)`, from `d cos θ`, `d` times the cosine and sine of `α`, and `d²`; both angles in 0..π.
+fn cosine_minus(cosine: f32, angle: Vec2, square: f32) -> f32 {
     if cosine >= angle.x {
-        return 1.0;
+        return square;
     }
-    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    let sine = (square - cosine * cosine).max(0.0).sqrt();
     cosine * angle.x + sine * angle.y
 }

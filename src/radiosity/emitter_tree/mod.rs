@@ -11,7 +11,7 @@ mod survey;
 
 use std::ops::Range;
 
-use glam::{Vec3, Vec3A};
+use glam::{Vec2, Vec3, Vec3A};
 
 use super::bounds::{Disturbed, Sphere};
 use super::element::{ElementId, Elements};
@@ -59,9 +59,9 @@ pub(crate) struct Leaf {
 struct Node {
     center: Vec3,
     radius: f32,
-    /// Mean normal, and the cosine of the cone around it that holds all normals; −1 for any.
+    /// Mean normal, and the cosine and sine of the cone around it that holds all normals; −1 for any.
     axis: Vec3,
-    cone_cosine: f32,
+    cone: Vec2,
     /// Luminous power, relative.
     power: f32,
     /// A leaf, or the two halves.
@@ -313,12 +313,13 @@ impl EmitterTree {
             .sum::<Vec3>()
             .normalize_or_zero();
         let any_way = axis == Vec3::ZERO || members().any(|l| l.two_sided);
-        let cone_cosine = members().map(|l| l.normal.dot(axis)).fold(1.0, f32::min);
+        let cosine = members().map(|l| l.normal.dot(axis)).fold(1.0, f32::min);
+        let cosine = if any_way { -1.0 } else { cosine };
         Node {
             center,
             radius,
             axis,
-            cone_cosine: if any_way { -1.0 } else { cone_cosine },
+            cone: Vec2::new(cosine, (1.0 - cosine * cosine).max(0.0).sqrt()),
             power: order.iter().map(|&l| powers[l as usize]).sum(),
             content: Content::Leaf(0),
             parent: u32::MAX,
