@@ -7,6 +7,8 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::triangle::Triangle;
 
+use super::validate::HALF_EXTENT;
+
 /// Triangles in a hierarchy of boxes, four children a node, four triangles a leaf.
 ///
 /// The tree is built by `obvhs` (PLOC with parallel reinsertion) and collapsed to four children,
@@ -55,12 +57,16 @@ pub(crate) struct Crossing {
     pub(crate) back: bool,
 }
 
-/// Entries of a traversal's stack; deeper trees continue on a second one.
-const STACK: usize = 64;
+/// Entries of a traversal's stack, few because each ray clears them; deeper trees continue on a second one.
+const STACK: usize = 24;
 
 /// Grows a box's far distance by the rounding of the slab test (Ize 2013, "Robust BVH Ray
 /// Traversal", JCGT 2(2): 1 + 2γ₃), so that no ray slips past a box its triangle touches.
 const ROBUST: f32 = 1.0 + 2.0 * 3.0 * f32::EPSILON;
+
+/// Boxes are so much larger than what they hold, in internal units: a ray that runs in the face of a box must meet
+/// it, or who shares the box would decide whether an edge there is met.
+const ROOM: f32 = HALF_EXTENT * f32::EPSILON;
 
 impl Bvh {
     /// A hierarchy over triangles, which crossings name by `ids`.
@@ -75,7 +81,8 @@ impl Bvh {
             .collect();
         let params = BvhBuildParams {
             max_prims_per_leaf: 4,
-            collapse_traversal_cost: 1.0,
+            // Four triangles are tested in the time of one: as few leaves as there may be.
+            collapse_traversal_cost: 4.0,
             ..match quality {
                 BvhQuality::Best => BvhBuildParams::very_slow_build(),
                 BvhQuality::Quick => BvhBuildParams::medium_build(),
@@ -193,8 +200,8 @@ impl Node {
 
     fn set(&mut self, lane: usize, aabb: &Aabb, child: Child) {
         for axis in 0..3 {
-            self.bounds[axis][lane] = aabb.min[axis];
-            self.bounds[axis + 3][lane] = aabb.max[axis];
+            self.bounds[axis][lane] = aabb.min[axis] - ROOM;
+            self.bounds[axis + 3][lane] = aabb.max[axis] + ROOM;
         }
         self.children[lane] = child;
     }
@@ -260,6 +267,9 @@ impl Leaf {
         let lowest = u.min(v).min(w);
         let highest = u.max(v).max(w);
         let inside = lowest.cmpge(Vec4::ZERO) | highest.cmple(Vec4::ZERO);
+        if !inside.any() {
+            return limit;
+        }
         let det = u + v + w;
         let inverse = Vec4::ONE / det;
         let distance = (u * z[0] + v * z[1] + w * z[2]) * inverse * ray.shear.z;
