@@ -503,6 +503,24 @@ mod tests {
         }
     }
 
+    /// Boxes end where neighbours begin: at lines of a lattice, in the last face of one and the first of the next.
+    #[test]
+    fn rays_in_the_faces_of_boxes_meet_what_is_there() {
+        let at = |x: u32, y: u32| Vec3::new(x as f32, y as f32, 0.0);
+        let quads = (0..16).flat_map(|y| (0..16).map(move |x| (x, y)));
+        let corners: Vec<_> = quads
+            .flat_map(|(x, y)| {
+                let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let bvh = bvh_of(&corners);
+        for (x, y) in (0..=64).flat_map(|y| (0..=64).map(move |x| (x, y))) {
+            let from = Vec3::new(0.25 * x as f32, 0.25 * y as f32, 1.0);
+            assert!(nearest(&bvh, from, -Vec3::Z).is_some(), "{from}");
+        }
+    }
+
     #[test]
     fn thousands_of_triangles_at_one_place_do_not_exhaust_the_stack() {
         let corners = vec![[Vec3::ZERO, Vec3::X, Vec3::Y]; 5000];
