@@ -122,18 +122,20 @@ fn form_factors(ui: &mut egui::Ui, chosen: &mut FormFactors) {
 }
 
 fn solver(ui: &mut egui::Ui, chosen: &mut Solver) {
-    let all = [
-        (
-            "Gauss–Seidel with a mean field",
-            Solver::GaussSeidelMeanField,
-        ),
-        ("Gauss–Seidel", Solver::GaussSeidel),
-        ("Jacobi", Solver::Jacobi),
-        ("Over-relaxation", Solver::Sor { omega: 1.2 }),
-        ("Progressive refinement", Solver::ProgressiveRefinement),
-        ("Conjugate gradients", Solver::ConjugateGradients),
-    ];
-    choose(ui, "Solver", chosen, &all);
+    let name = |solver| match solver {
+        Solver::GaussSeidelMeanField => "Gauss–Seidel with a mean field",
+        Solver::GaussSeidel => "Gauss–Seidel",
+        Solver::Jacobi => "Jacobi",
+        Solver::Sor { .. } => "Over-relaxation",
+        Solver::ProgressiveRefinement => "Progressive refinement",
+        Solver::ConjugateGradients => "Conjugate gradients",
+    };
+    choose(
+        ui,
+        "Solver",
+        chosen,
+        &Solver::ALL.map(|solver| (name(solver), solver)),
+    );
     if let Solver::Sor { omega } = chosen {
         row(ui, "Omega", |ui| {
             ui.add(egui::Slider::new(omega, 0.1..=1.9))
