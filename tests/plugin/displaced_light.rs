@@ -70,8 +70,9 @@ fn nobody_writes_for_ever() {
         room.app.update();
     }
     let before = room.app.world().resource::<Writes>().0;
-    // One by who spawned it, one raised, one lit.
-    assert!(before <= 3, "{before} writes");
+    // One by who spawned it, one raised, one lit; and Bevy marks meshes of new materials, in the same frame or the
+    // next.
+    assert!(before <= 4, "{before} writes");
     let (shown, finished) = (chain(&room), room.status().finished);
     for _ in 0..300 {
         room.app.update();
