@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 /// Linear RGBA, row by row from the top left.
-#[derive(Clone)]
 pub(crate) struct Picture {
     pub(crate) size: usize,
     pub(crate) pixels: Vec<[f32; 4]>,

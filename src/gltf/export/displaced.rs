@@ -30,15 +30,6 @@ pub struct DisplacedPrimitive<'a> {
     pub part: &'a DisplacedPart,
 }
 
-impl DisplacedPrimitive<'_> {
-    fn target(&self) -> Target {
-        Target {
-            mesh: self.key.mesh,
-            primitive: self.key.primitive,
-        }
-    }
-}
-
 /// Writes `document` with displaced meshes as a single `.glb`.
 ///
 /// Texture coordinates, colours, skins, morph targets and whatever else vertices have are interpolated, tangents
@@ -58,7 +49,7 @@ pub fn to_displaced_glb(
     for displaced in displaced {
         write(&mut glb, displaced)?;
     }
-    let targets: Vec<Target> = displaced.iter().map(DisplacedPrimitive::target).collect();
+    let targets: Vec<Target> = displaced.iter().map(|d| Target::shared(d.key)).collect();
     drop_relief(&mut glb, &targets);
     glb.finish()
 }

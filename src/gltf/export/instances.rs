@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use serde_json::Value;
 
 use super::{BakedPrimitive, glb::Glb};
-use crate::gltf::{GltfError, accessor_json::whole};
+use crate::gltf::{GltfError, PrimitiveKey, accessor_json::whole};
 
 /// Where the light of a baked primitive is written to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -15,6 +15,14 @@ pub(super) struct Target {
 }
 
 impl Target {
+    /// The primitive as the document has it, for all nodes that share its mesh.
+    pub(super) fn shared(key: PrimitiveKey) -> Self {
+        Self {
+            mesh: key.mesh,
+            primitive: key.primitive,
+        }
+    }
+
     /// The JSON of the primitive.
     pub(super) fn of(self, json: &Value) -> &Value {
         &json["meshes"][self.mesh]["primitives"][self.primitive]

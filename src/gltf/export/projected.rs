@@ -57,11 +57,7 @@ fn write(glb: &mut Glb, projected: &ProjectedPrimitive<'_>) -> Result<(), GltfEr
         triangles,
         flipped: false,
     };
-    let target = Target {
-        mesh: key.mesh,
-        primitive: key.primitive,
-    };
-    let primitive = target.of_mut(&mut glb.json);
+    let primitive = Target::shared(key).of_mut(&mut glb.json);
     drop_tangents(&mut primitive["attributes"]);
     for morph in primitive["targets"].as_array_mut().into_iter().flatten() {
         drop_tangents(morph);

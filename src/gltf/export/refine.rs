@@ -39,10 +39,7 @@ pub(super) fn rewrite(
     change: impl FnOnce(&mut Attributes),
 ) -> Result<(), GltfError> {
     let key = source.key;
-    let target = Target {
-        mesh: key.mesh,
-        primitive: key.primitive,
-    };
+    let target = Target::shared(key);
     let primitive = target.of(&glb.json).clone();
     let count = vertex_count(glb, &primitive)?;
     let mut attributes = refine(glb, target, count, source, mesh)?;
