@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use glam::{Vec3, Vec3A, Vec4};
+use glam::{DVec4, Vec3, Vec3A, Vec4};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -67,6 +67,10 @@ const ROBUST: f32 = 1.0 + 2.0 * 3.0 * f32::EPSILON;
 /// Boxes are so much larger than what they hold, in internal units: a ray that runs in the face of a box must meet
 /// it, or who shares the box would decide whether an edge there is met.
 const ROOM: f32 = HALF_EXTENT * f32::EPSILON;
+
+/// Roundings of a distance's numerator, in units of the largest product in it: three products of edge functions, each
+/// a difference of two, and their sum.
+const ROUNDINGS: f32 = 6.0 * f32::EPSILON;
 
 impl Bvh {
     /// A hierarchy over triangles, which crossings name by `ids`.
@@ -272,7 +276,17 @@ impl Leaf {
         }
         let det = u + v + w;
         let inverse = Vec4::ONE / det;
-        let distance = (u * z[0] + v * z[1] + w * z[2]) * inverse * ray.shear.z;
+        let mut distance = (u * z[0] + v * z[1] + w * z[2]) * inverse * ray.shear.z;
+        // Of a needle little is left of the products in `det`: where their rounding may have moved the triangle to
+        // the other side of the ray's start, it is found again without.
+        let largest = |of: &[Vec4; 3]| of[0].abs().max(of[1].abs()).max(of[2].abs());
+        let products = largest(&x) * largest(&y) * largest(&z);
+        let rounding = ROUNDINGS * products * inverse.abs() * ray.shear.z.abs();
+        let doubtful = inside & distance.abs().cmple(rounding);
+        if doubtful.any() {
+            let exact = exact_distance(&x, &y, &z) * ray.shear.z;
+            distance = Vec4::select(doubtful, exact, distance);
+        }
         let meets = inside & distance.cmpgt(Vec4::ZERO) & distance.cmplt(Vec4::splat(limit));
         let mut hits = meets.bitmask();
         if hits == 0 {
@@ -299,7 +313,22 @@ impl Leaf {
 /// `a b − c d` rounded once.
 #[cold]
 fn exact_cross(a: Vec4, b: Vec4, c: Vec4, d: Vec4) -> Vec4 {
-    (a.as_dvec4() * b.as_dvec4() - c.as_dvec4() * d.as_dvec4()).as_vec4()
+    cross(a, b, c, d).as_vec4()
+}
+
+/// The `z` at which triangles meet the axis x = y = 0, rounded once.
+#[cold]
+fn exact_distance(x: &[Vec4; 3], y: &[Vec4; 3], z: &[Vec4; 3]) -> Vec4 {
+    let u = cross(x[2], y[1], y[2], x[1]);
+    let v = cross(x[0], y[2], y[0], x[2]);
+    let w = cross(x[1], y[0], y[1], x[0]);
+    let sum = u * z[0].as_dvec4() + v * z[1].as_dvec4() + w * z[2].as_dvec4();
+    (sum / (u + v + w)).as_vec4()
+}
+
+/// `a b − c d`, whose products are exact.
+fn cross(a: Vec4, b: Vec4, c: Vec4, d: Vec4) -> DVec4 {
+    a.as_dvec4() * b.as_dvec4() - c.as_dvec4() * d.as_dvec4()
 }
 
 /// A ray prepared for boxes and triangles.
@@ -482,6 +511,35 @@ mod tests {
     fn closed_surfaces_are_watertight_to_many_rays() {
         assert_eq!(leaks(&sphere(24, 1000.0), 450.0, 100_000_000), 0);
         assert_eq!(leaks(&cube(1000.0), 999.0, 100_000_000), 0);
+    }
+
+    /// A strip 50,000 times as long as it is high: rays that start close to it meet it, and those that leave it, to
+    /// either side, do not.
+    #[test]
+    fn strips_are_on_the_right_side_of_rays() {
+        let corner = |y: f32, z: f32| Vec3::new(-1000.0, y, z);
+        let (a, b) = (corner(0.0, -1024.0), corner(0.0, -512.0));
+        let (c, d) = (corner(0.01, -512.0), corner(0.01, -1024.0));
+        let bvh = bvh_of(&[[a, b, c], [a, c, d]]);
+        let mut tried = 0;
+        for i in 0..3_000_000 {
+            let [u, v, s, _] = sobol(i, 0, 3);
+            let [gap, rise, ..] = sobol(i, 1, 3);
+            let side = if i % 2 == 0 { 1.0 } else { -1.0 };
+            let above = side * 6.2e-5 * 16_000_f32.powf(gap);
+            let origin = Vec3::new(-1000.0 + above, 0.01 * rise, -1000.0 + 470.0 * s);
+            let way = frame(Vec3::X * -side) * cosine_hemisphere(u, v * 0.999);
+            let distance = (-1000.0 - origin.x) / way.x;
+            let [y, z] = [1, 2].map(|axis| origin[axis] + distance * way[axis]);
+            // Not within the rounding of an edge.
+            if (0.001..0.009).contains(&y) && (-1020.0..-516.0).contains(&z) {
+                tried += 1;
+                let found = nearest(&bvh, origin, way).map_or(f32::NAN, |hit| hit.distance);
+                assert!((found - distance).abs() < 0.3, "{i}: {found}, {distance}");
+                assert!(nearest(&bvh, origin, -way).is_none(), "{i}: {distance}");
+            }
+        }
+        assert!(tried > 100_000, "{tried}");
     }
 
     #[test]
