@@ -9,6 +9,7 @@ use super::form_factor::{FormFactors, View};
 use super::layout::Layout;
 use super::observer::Observer;
 use super::occlusion::{Hierarchy, Holds, Occluders};
+use super::pipeline::KEPT_RAYS;
 use super::receiver_mesh::ReceiverMeshes;
 use super::settings::BakeSettings;
 use super::solve::Solver;
@@ -198,7 +199,8 @@ pub(crate) fn vertices_within(scene: &ValidScene, settings: &BakeSettings, given
     const PER_VERTEX: u64 = 1600;
     const GRADIENT: u64 = 800;
     let fixed = estimate_counts(scene, settings).bytes;
-    let spare = settings.max_memory.saturating_sub(fixed);
+    let kept = 2 * settings.max_memory / KEPT_RAYS;
+    let spare = settings.max_memory.saturating_sub(fixed + kept);
     let per_vertex = PER_VERTEX + if settings.directional { GRADIENT } else { 0 };
     (given + spare / per_vertex).min(u32::MAX.into()) as usize
 }

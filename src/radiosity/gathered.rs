@@ -221,6 +221,14 @@ impl Bundle {
         self.reaches.extend(reach);
     }
 
+    /// Adds all of another one.
+    pub(crate) fn append(&mut self, other: &Self) {
+        self.samples.extend_from_slice(&other.samples);
+        self.ids.extend_from_slice(&other.ids);
+        self.reaches.extend_from_slice(&other.reaches);
+        self.met.extend_from_slice(&other.met);
+    }
+
     /// Ends a sample of so many rays.
     pub(crate) fn close(&mut self, b: Vec3, rays: usize) {
         let ids = &self.ids[self.ids.len() - rays..];

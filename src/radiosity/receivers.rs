@@ -36,17 +36,18 @@ impl Receivers {
         given: &Arc<ReceiverMeshes>,
         refinement: &Refinement,
     ) -> Self {
-        let refine = |meshes: &Arc<ReceiverMeshes>, by: &[Option<Arc<Refined>>]| {
-            if by.iter().all(Option::is_none) {
-                meshes.clone()
-            } else {
-                meshes.refined(scene, by).into()
-            }
-        };
-        let coarse = refine(given, &refinement.coarse);
+        Self::on(scene, refined(scene, given, &refinement.coarse), refinement)
+    }
+
+    /// The coarse meshes of a refinement, refined further.
+    pub(crate) fn on(
+        scene: &ValidScene,
+        coarse: Arc<ReceiverMeshes>,
+        refinement: &Refinement,
+    ) -> Self {
         let step = |by: &Option<Arc<Refined>>| Some(Arc::new(by.as_ref()?.mesh.clone()));
         Self {
-            fine: refine(&coarse, &refinement.fine),
+            fine: refined(scene, &coarse, &refinement.fine),
             steps: refinement.fine.iter().map(step).collect(),
             coarse,
         }
@@ -105,5 +106,18 @@ impl Receivers {
             self.fine.bytes()
         };
         self.coarse.bytes() + fine
+    }
+}
+
+/// Meshes refined, where they are; the same if none is.
+fn refined(
+    scene: &ValidScene,
+    meshes: &Arc<ReceiverMeshes>,
+    by: &[Option<Arc<Refined>>],
+) -> Arc<ReceiverMeshes> {
+    if by.iter().all(Option::is_none) {
+        meshes.clone()
+    } else {
+        meshes.refined(scene, by).into()
     }
 }

@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use bevy_fresco::radiosity::{Bake, BakeError, BakeSettings, Scene, Stopped, bake};
+use bevy_fresco::radiosity::{Bake, BakeError, BakeSettings, ObjectLight, Scene, Stopped, bake};
 use rayon::ThreadPoolBuilder;
 
 use crate::known::error::measure;
@@ -19,6 +19,17 @@ fn run(scene: &Scene, settings: &BakeSettings) -> Bake {
 
 fn vertices(baked: &Bake) -> usize {
     baked.objects.iter().map(|o| o.light.len()).sum()
+}
+
+/// The light of all objects, to the bit.
+fn lights(baked: &Bake) -> Vec<Vec<[u32; 3]>> {
+    let bits = |o: &ObjectLight| {
+        o.light
+            .iter()
+            .map(|l| l.to_array().map(f32::to_bits))
+            .collect()
+    };
+    baked.objects.iter().map(bits).collect()
 }
 
 #[test]
@@ -157,6 +168,33 @@ fn memory_is_kept() {
     assert!(vertices(&kept) < vertices(&free));
 }
 
+/// A pass that was not good enough is added to, not done again: with memory for the rays it takes fewer, and finds
+/// the same.
+#[test]
+fn rays_of_an_earlier_pass_count() {
+    let scene = lit_scenes().into_iter().find(|l| l.name == "partition");
+    let scene = scene.unwrap().scene();
+    let with = |max_memory| {
+        let settings = BakeSettings {
+            refine: true,
+            error: 0.01,
+            max_memory,
+            ..BakeSettings::DRAFT
+        };
+        run(&scene, &settings)
+    };
+    let (kept, thrown) = (with(8 << 30), with(48 << 20));
+    let (fewer, all) = (kept.report.work, thrown.report.work);
+    assert!(fewer.fits > 1, "one pass");
+    assert!(
+        fewer.gather_rays < all.gather_rays,
+        "{} of {}",
+        fewer.gather_rays,
+        all.gather_rays
+    );
+    assert_eq!(lights(&kept), lights(&thrown));
+}
+
 /// The error that was asked for ends the bake, long before any budget does.
 #[test]
 fn the_error_ends_the_bake() {
@@ -198,18 +236,8 @@ fn any_number_of_threads_gives_the_same_bytes() {
                     .build()
                     .unwrap();
                 let baked = pool.install(|| run(&scene, &settings));
-                let objects = baked.objects.into_iter();
-                objects
-                    .map(|o| {
-                        (
-                            o.light
-                                .iter()
-                                .map(|l| l.to_array().map(f32::to_bits))
-                                .collect(),
-                            o.mesh,
-                        )
-                    })
-                    .collect::<Vec<(Vec<_>, _)>>()
+                let meshes = baked.objects.iter().map(|o| o.mesh.clone());
+                (lights(&baked), meshes.collect::<Vec<_>>())
             };
             let one = on(1);
             assert!(one == on(2) && one == on(5), "{}", layout.name);

@@ -16,6 +16,7 @@ mod shadows;
 
 pub(crate) use self::before::GatherBefore;
 pub(crate) use self::patch::Place;
+pub(crate) use self::rays::KnownRays;
 pub(crate) use self::shadows::Validity;
 
 use super::direct::ShadowRays;

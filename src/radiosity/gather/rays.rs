@@ -8,43 +8,97 @@ use crate::radiosity::bounds::{Reach, Sphere};
 use crate::radiosity::element::ElementId;
 use crate::radiosity::emitter::{Emitters, Receiver};
 use crate::radiosity::form_factor::{BLACK, GONE, SKY};
-use crate::radiosity::gathered::{Bundle, Met, NOT_CAST, SAMPLED, SHEET};
+use crate::radiosity::gathered::{Bundle, ByTriangle, Met, NOT_CAST, SAMPLED, SHEET};
 use crate::radiosity::occlusion::Hit;
 use crate::radiosity::receiver_mesh::ReceiverMesh;
 use crate::radiosity::sampling::{frame, hash};
 use crate::radiosity::spot::Spot;
 
+/// Rays that need not be traced.
+#[derive(Clone, Copy)]
+pub(crate) enum KnownRays<'a> {
+    None,
+    /// Those of an earlier bake, where nothing came between.
+    Before(&'a GatherBefore<'a>),
+    /// Those of the same bake, of as many samples or fewer.
+    Fewer(&'a ByTriangle<Arc<Bundle>>),
+}
+
 impl Gather<'_> {
-    /// Rays from all samples of a triangle of the coarse meshes, those that may have changed traced
-    /// again.
+    /// Rays from all samples of a triangle of the coarse meshes, those that are `known` not traced again.
     pub(crate) fn bundle(
         &self,
         mesh: &ReceiverMesh,
         object: usize,
         triangle: usize,
-        before: Option<&GatherBefore>,
+        known: KnownRays,
         traced: &mut u64,
     ) -> Arc<Bundle> {
         let Some(patch) = self.patch(mesh, object, triangle) else {
             return Arc::default();
         };
         let patch = patch.with(patch.samples_at(self.density.smooth));
-        let known = before.and_then(|b| Some((b, &**b.bundle(object, triangle)?)));
-        let known = known.filter(|(_, old)| old.samples.len() == patch.samples as usize);
+        let samples = patch.samples as usize;
         match known {
-            Some((b, _)) if b.rays_stay() => {
-                b.bundle(object, triangle).cloned().unwrap_or_default()
+            KnownRays::Before(before) => match before.bundle(object, triangle) {
+                Some(old) if old.samples.len() == samples && before.rays_stay() => old.clone(),
+                Some(old) if old.samples.len() == samples => {
+                    self.rays_again(&patch, (before, old), traced).into()
+                }
+                _ => self.rays(&patch, None, traced).into(),
+            },
+            KnownRays::Fewer(bundles) => {
+                let first = bundles.at(object, triangle);
+                if first.samples.len() == samples {
+                    first.clone()
+                } else {
+                    self.rays(&patch, Some(first), traced).into()
+                }
             }
-            _ => self.rays(&patch, known, traced).into(),
+            KnownRays::None => self.rays(&patch, None, traced).into(),
         }
     }
 
-    fn rays(
-        &self,
-        patch: &Patch,
-        known: Option<(&GatherBefore, &Bundle)>,
-        traced: &mut u64,
-    ) -> Bundle {
+    /// How many rays the samples of a triangle take.
+    pub(crate) fn rays_of(&self, mesh: &ReceiverMesh, object: usize, triangle: usize) -> u64 {
+        let samples = (self.patch(mesh, object, triangle))
+            .map_or(0, |patch| patch.samples_at(self.density.smooth));
+        u64::from(samples) * u64::from(self.settings.gather_rays)
+    }
+
+    /// Rays from all samples, of which a bundle may have the first: places and directions are points of
+    /// sequences.
+    fn rays(&self, patch: &Patch, first: Option<&Bundle>, traced: &mut u64) -> Bundle {
+        let rays = self.settings.gather_rays;
+        let mut bundle = self.room(patch);
+        if let Some(first) = first {
+            bundle.append(first);
+        }
+        for i in bundle.samples.len() as u32..patch.samples {
+            let &(b, ref place) = patch.place(i);
+            for k in 0..rays {
+                self.ray(patch, place, i * rays + k, &mut bundle, traced);
+            }
+            bundle.close(b, rays as usize);
+        }
+        bundle.met.shrink_to_fit();
+        bundle
+    }
+
+    /// Rays from all samples, those of an earlier bake where they cannot have changed.
+    fn rays_again(&self, patch: &Patch, old: (&GatherBefore, &Bundle), traced: &mut u64) -> Bundle {
+        let mut bundle = self.room(patch);
+        for i in 0..patch.samples {
+            let &(b, ref place) = patch.place(i);
+            self.sample_again(patch, place, i, old, &mut bundle, traced);
+            bundle.close(b, self.settings.gather_rays as usize);
+        }
+        bundle.met.shrink_to_fit();
+        bundle
+    }
+
+    /// An empty bundle with room for the rays of all samples.
+    fn room(&self, patch: &Patch) -> Bundle {
         let mut bundle = Bundle::default();
         let rays = (patch.samples * self.settings.gather_rays) as usize;
         bundle.ids.reserve_exact(rays);
@@ -52,25 +106,11 @@ impl Gather<'_> {
             .reaches
             .reserve_exact(if self.remember { rays } else { 0 });
         bundle.samples.reserve_exact(patch.samples as usize);
-        for i in 0..patch.samples {
-            let &(b, ref place) = patch.place(i);
-            match known {
-                None => {
-                    let rays = self.settings.gather_rays;
-                    for k in 0..rays {
-                        self.ray(patch, place, i * rays + k, &mut bundle, traced);
-                    }
-                }
-                Some(known) => self.rays_again(patch, place, i, known, &mut bundle, traced),
-            }
-            bundle.close(b, self.settings.gather_rays as usize);
-        }
-        bundle.met.shrink_to_fit();
         bundle
     }
 
     /// The rays of one sample, again where they may have changed.
-    fn rays_again(
+    fn sample_again(
         &self,
         patch: &Patch,
         place: &Place,

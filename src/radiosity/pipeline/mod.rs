@@ -14,6 +14,7 @@ use glam::Vec3;
 use self::finer::told_twice;
 use self::passes::Deadline;
 pub(crate) use self::passes::Pass;
+pub(crate) use self::vertices::KEPT_RAYS;
 use super::bake::BakeError;
 use super::baked::Bake;
 use super::change::Change;

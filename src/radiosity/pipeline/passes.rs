@@ -87,12 +87,19 @@ const SAMPLES_BY_ERROR: f64 = 1.0 / 0.7;
 /// Later passes aim at this share of the aim, so that most of them arrive.
 const AIM: f64 = 0.88;
 
+/// More samples alone, so many times, take less time than other meshes: those that there are count.
+const MORE_ON_SAME: f64 = 3.0;
+
 /// Steps to the right share, each of which halves what it may be off by.
 const HALVINGS: u32 = 20;
 
 /// From one pass to the next, samples at most, and mesh error at least.
 const MORE_SAMPLES: f64 = 16.0;
 const LESS_MESH: f64 = 0.4;
+
+/// What meshes leave goes down faster than what is asked of them, to the power of so much: the less is asked, the
+/// more rays look for detail, and the less of it noise hides.
+const ASKED_BY_FOUND: f64 = 0.75;
 
 /// Meshes are not made anew, nor samples taken, to leave this share of their error, or more.
 const NOT_WORTH: f64 = 0.8;
@@ -218,9 +225,8 @@ impl Run<'_> {
         let meshes = match before.filter(good) {
             Some(before) => (before.receivers.clone(), before.refinement.clone()),
             None => {
-                let earlier = before.map(|b| &*b.refinement);
                 let until = deadline.for_meshes();
-                self.refine(gather, shining, solved, (asked, earlier), until)?
+                self.refine(gather, shining, solved, (asked, before), until)?
             }
         };
         let mut pass = self.pass(gather, shining, meshes, effort.samples, before)?;
@@ -255,21 +261,26 @@ impl Run<'_> {
     /// Where the next pass does more, or less; `None` if nothing would help.
     fn next(&self, pass: &Pass, effort: Effort, full: bool) -> Option<Effort> {
         let found = Parts::found(pass);
-        let may = found.cut_down_to(AIM * effort.aim, effort.aim);
-        let times = |error: f64, may: f64, power: f64| {
-            ((error / may.max(f64::MIN_POSITIVE)).powf(power))
-                .clamp(1.0 / MORE_SAMPLES, MORE_SAMPLES)
-        };
-        // Where an edge of light crosses a triangle, the samples in it say as little of it as the mesh
-        // can carry: their noise goes down with what the mesh leaves, and need be no less.
-        let sharp = (may.noise.sharp).max(SAMPLES.sharp / MESH.sharp * found.mesh.sharp);
-        let samples = ByKind {
-            smooth: times(found.noise.smooth, may.noise.smooth, SAMPLES_BY_ERROR),
-            sharp: times(found.noise.sharp, sharp, 2.0),
+        let (error, aim) = (AIM * effort.aim, effort.aim);
+        if let Some(times) = found.by_samples_alone(error, aim) {
+            let samples =
+                (effort.samples).with(times, |s, times| (s * times as f32).min(MOST_SAMPLES));
+            return Some(Effort { samples, ..effort });
+        }
+        let may = found.cut_down_to(error, aim);
+        let samples = found.samples(&may);
+        let more = |samples: f32, times: f64, other_mesh: bool| match times > 1.0 / NOT_WORTH {
+            true => (samples * times as f32).min(MOST_SAMPLES),
+            false if other_mesh => (samples * times as f32).max(LEAST_SAMPLES),
+            false => samples,
         };
         let finer = may.mesh.with(found.mesh, |may, found| {
             let times = (may / found.max(f64::MIN_POSITIVE)).clamp(LESS_MESH, 1.0);
-            if times > NOT_WORTH { 1.0 } else { times }
+            if times > NOT_WORTH {
+                1.0
+            } else {
+                times.powf(ASKED_BY_FOUND)
+            }
         });
         let remade = !full && finer.smooth.min(finer.sharp) < 1.0;
         let next = Effort {
@@ -280,16 +291,15 @@ impl Run<'_> {
                 false => (effort.mesh.with(pass.refinement.error, f64::max))
                     .with(finer, |error, times| error * times),
             },
-            samples: (effort.samples).with(samples, |s, times| match times > 1.0 / NOT_WORTH {
-                true => (s * times as f32).min(MOST_SAMPLES),
-                false if remade => (s * times as f32).max(LEAST_SAMPLES),
-                false => s,
-            }),
+            samples: ByKind {
+                smooth: more(effort.samples.smooth, samples.smooth, finer.smooth < 1.0),
+                sharp: more(effort.samples.sharp, samples.sharp, remade),
+            },
         };
         // With the meshes as fine as may be, samples help until they are the smaller part.
         let useful = !full || found.noise.total() > 0.5 * found.mesh.total();
-        let more = remade || next.samples != effort.samples;
-        (useful && more).then_some(next)
+        let other = remade || next.samples != effort.samples;
+        (useful && other).then_some(next)
     }
 
     /// Vertices that may be, and whether it is memory that limits them.
@@ -321,17 +331,21 @@ impl Parts {
         let control = pass.control.unwrap_or_default();
         let noise = pass.fitted.smoothing.by_kind.map(f64::from);
         let made_for = pass.refinement.error.with(FIT, |error, fit| fit * error);
-        // As long as there is more noise than that, the mesh is taken to be what it was made for.
+        // Where little stands out from noise, the mesh is taken to be what it was made for.
         let left = |found: Found, (noise, made_for): (f64, f64)| {
-            let left = (found.sure().powi(2) - noise * noise).max(0.0).sqrt();
-            if left > noise { left } else { made_for }
+            let left = found.square - noise * noise;
+            if left > found.uncertain {
+                left.sqrt()
+            } else {
+                made_for
+            }
         };
         let parts = Self {
             mesh: (control.by_kind).with(noise.with(made_for, |n, made_for| (n, made_for)), left),
             noise,
         };
         // What cannot be told apart is everybody's.
-        let more = (pass.bound() / parts.total().max(f64::MIN_POSITIVE)).max(1.0);
+        let more = pass.bound() / parts.total().max(f64::MIN_POSITIVE);
         Self {
             mesh: parts.mesh.map(|part| more * part),
             noise: parts.noise.map(|part| more * part),
@@ -344,14 +358,52 @@ impl Parts {
 
     /// The least that has to be done for an error of `error`: parts that are more than their share of
     /// the aim are cut down to the same multiple of it.
-    fn cut_down_to(self, error: f64, aim: f64) -> Self {
-        let cut = |level: f64| {
-            let least = |part: f64, share: f64| part.min(level * share * aim);
-            Self {
-                mesh: self.mesh.with(MESH, least),
-                noise: self.noise.with(SAMPLES, least),
-            }
+    fn cut_down_to(&self, error: f64, aim: f64) -> Self {
+        let least = |level: f64| move |part: f64, share: f64| part.min(level * share * aim);
+        Self::highest(error, |level| Self {
+            mesh: self.mesh.with(MESH, least(level)),
+            noise: self.noise.with(SAMPLES, least(level)),
+        })
+    }
+
+    /// How many times the samples leave an error of `error` on the same meshes; `None` if that takes too
+    /// many.
+    fn by_samples_alone(&self, error: f64, aim: f64) -> Option<ByKind<f64>> {
+        let least = |level: f64| move |part: f64, share: f64| part.min(level * share * aim);
+        let may = Self::highest(error, |level| Self {
+            mesh: self.mesh,
+            noise: self.noise.with(SAMPLES, least(level)),
+        });
+        let times = self.samples(&may);
+        let left = self
+            .mesh
+            .total()
+            .hypot(may.noise.smooth)
+            .hypot(self.noise_of_edges(&may));
+        (left <= aim && times.smooth.max(times.sharp) <= MORE_ON_SAME).then_some(times)
+    }
+
+    /// How many times the samples leave no more noise than that.
+    fn samples(&self, may: &Self) -> ByKind<f64> {
+        let times = |error: f64, may: f64, power: f64| {
+            ((error / may.max(f64::MIN_POSITIVE)).powf(power))
+                .clamp(1.0 / MORE_SAMPLES, MORE_SAMPLES)
         };
+        ByKind {
+            smooth: times(self.noise.smooth, may.noise.smooth, SAMPLES_BY_ERROR),
+            sharp: times(self.noise.sharp, self.noise_of_edges(may), 2.0),
+        }
+    }
+
+    /// The noise of sharp light that it is worth going down to. Where an edge of light crosses a triangle, the
+    /// samples in it say as little of it as the mesh can carry: their noise goes down with what the mesh leaves, and
+    /// need be no less.
+    fn noise_of_edges(&self, may: &Self) -> f64 {
+        (may.noise.sharp).max(SAMPLES.sharp / MESH.sharp * self.mesh.sharp)
+    }
+
+    /// The parts cut down to the highest level that leaves no more than `error`.
+    fn highest(error: f64, cut: impl Fn(f64) -> Self) -> Self {
         let (mut low, mut high) = (0.0, 1.0 / MESH.smooth.min(SAMPLES.smooth));
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);

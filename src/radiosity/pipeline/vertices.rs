@@ -8,7 +8,9 @@ use crate::radiosity::element::{Elements, SEEN_FROM_BEHIND};
 use crate::radiosity::emitter_tree::{EmitterTree, Leaf};
 use crate::radiosity::fit::{Fit, Samples, fit, fit_gradient};
 use crate::radiosity::form_factor::GONE;
-use crate::radiosity::gather::{Density, Gather, GatherBefore, GatherCost, Validity, density};
+use crate::radiosity::gather::{
+    Density, Gather, GatherBefore, GatherCost, KnownRays, Validity, density,
+};
 use crate::radiosity::gathered::{
     Bundle, ByTriangle, Gathered, SharpLight, Shining, TriangleSamples,
 };
@@ -24,6 +26,11 @@ use crate::radiosity::solve::Solution;
 
 /// Triangles a thread takes at a time.
 const CHUNK: usize = 32;
+
+/// Rays that another pass may add to take one part of the memory allowed in so many, and twice that while it
+/// does.
+pub(crate) const KEPT_RAYS: u64 = 32;
+const BYTES_PER_RAY: u64 = size_of::<u32>() as u64;
 
 /// What rays from a triangle of the coarse meshes tell of samples on it.
 enum Met {
@@ -64,7 +71,8 @@ pub(crate) struct Inside {
 
 /// Of the coarse meshes: bounced light, sky, wide emitters.
 pub(crate) struct SmoothInside {
-    bundles: Arc<ByTriangle<Arc<Bundle>>>,
+    /// Where somebody may ask for them again.
+    bundles: Option<Arc<ByTriangle<Arc<Bundle>>>>,
     pub(crate) samples: Vec<TriangleSamples>,
     /// The same of its gradient; empty if that is not asked for.
     pub(crate) gradients: Vec<TriangleSamples>,
@@ -91,7 +99,7 @@ impl Inside {
 
     pub(super) fn gathered(&self) -> Gathered {
         Gathered {
-            bundles: self.smooth.bundles.clone(),
+            bundles: self.smooth.bundles.clone().unwrap_or_default(),
             sharp: self.sharp.light.clone(),
         }
     }
@@ -210,14 +218,13 @@ impl Run<'_> {
         Some((receivers, kept.into()))
     }
 
-    /// Puts vertices where the light needs them, those of an `earlier` refinement too where they are
-    /// good enough.
+    /// Puts vertices where the light needs them, those of an `earlier` pass too where they are good enough.
     pub(super) fn refine(
         &mut self,
         gather: &Gather,
         shining: &Shining,
         solved: &Solved,
-        (asked, earlier): (&Asked, Option<&Refinement>),
+        (asked, earlier): (&Asked, Option<&Pass>),
         until: Option<Instant>,
     ) -> Result<(Receivers, Arc<Refinement>), BakeError> {
         let internal = |edge: f32| edge / self.scene.scale;
@@ -232,9 +239,15 @@ impl Run<'_> {
                 max_edge,
                 until,
             };
-            let refinement = refiner.refine(run.scene, &solved.given, asked, earlier)?;
+            let (scene, given) = (run.scene, &solved.given);
+            let known = earlier.map(|e| &*e.refinement);
+            let refinement = refiner.refine(scene, given, asked, known)?;
             run.work.gather_rays += refinement.rays;
-            let receivers = Receivers::new(run.scene, &solved.given, &refinement);
+            let same = earlier.filter(|e| refinement.same_coarse(&e.refinement));
+            let receivers = match same {
+                Some(e) => Receivers::on(scene, e.receivers.coarse.clone(), &refinement),
+                None => Receivers::new(scene, given, &refinement),
+            };
             Ok((receivers, refinement.into()))
         })
     }
@@ -271,7 +284,7 @@ impl Run<'_> {
     }
 
     /// Light inside the triangles: traced where need be, then put together. What an `earlier` pass
-    /// sampled as densely on the same meshes is kept.
+    /// sampled on the same meshes is kept: as densely, or the rays that it has of more.
     pub(super) fn gather(
         &mut self,
         gather: &Gather,
@@ -280,13 +293,15 @@ impl Run<'_> {
         earlier: Option<&Pass>,
     ) -> Result<Inside, BakeError> {
         let objects = self.objects_to_gather(gather);
-        let smooth = earlier.filter(|e| {
-            Arc::ptr_eq(&e.receivers.coarse, &receivers.coarse)
-                && e.density.smooth == gather.density.smooth
-        });
+        let smooth = earlier.filter(|e| Arc::ptr_eq(&e.receivers.coarse, &receivers.coarse));
         let smooth = match smooth {
-            Some(earlier) => earlier.inside.smooth.clone(),
-            None => (self.gather_smooth(gather, receivers, shining, &objects)?).into(),
+            Some(earlier) if earlier.density.smooth == gather.density.smooth => {
+                earlier.inside.smooth.clone()
+            }
+            earlier => {
+                let fewer = earlier.and_then(|e| e.inside.smooth.bundles.as_deref());
+                (self.gather_smooth(gather, receivers, shining, (&objects, fewer))?).into()
+            }
         };
         let sharp = earlier.filter(|e| {
             Arc::ptr_eq(&e.receivers.fine, &receivers.fine)
@@ -305,23 +320,29 @@ impl Run<'_> {
         gather: &Gather,
         receivers: &Receivers,
         shining: &Shining,
-        objects: &[Option<usize>],
+        (objects, fewer): (&[Option<usize>], Option<&ByTriangle<Arc<Bundle>>>),
     ) -> Result<SmoothInside, BakeError> {
         let meshes = &receivers.coarse.meshes;
         let list = triangles(meshes);
+        let keep = self.start.remember || self.keeps_rays(gather, meshes, &list);
         let same_samples = gather.density.smooth == gather.density.sharp;
         self.stage(Stage::Gather, |run| {
             let before = run.before_gather(gather, objects);
+            let known = match (fewer, &before) {
+                (Some(fewer), _) => KnownRays::Fewer(fewer),
+                (None, Some(before)) => KnownRays::Before(before),
+                (None, None) => KnownRays::None,
+            };
             let chunks = map_ranges(list.len(), CHUNK, Stage::Gather, run.observer, |range| {
                 let mut rays = 0;
                 let each = list[range].iter().map(|&(o, t)| {
                     let mesh = &meshes[o];
-                    let bundle = gather.bundle(mesh, o, t, before.as_ref(), &mut rays);
+                    let bundle = gather.bundle(mesh, o, t, known, &mut rays);
                     let samples = shining.gathered(&bundle, mesh, t);
                     let gradient = (run.settings.directional)
                         .then(|| gather.gathered_gradient(&bundle, mesh, o, t, shining));
                     let met = Met::new(&bundle, same_samples && receivers.is_same(o));
-                    let bundle = run.start.remember.then_some(bundle);
+                    let bundle = keep.then_some(bundle);
                     (samples, gradient, met, bundle)
                 });
                 (each.collect::<Vec<_>>(), rays)
@@ -339,7 +360,7 @@ impl Run<'_> {
                 }
             }
             Ok(SmoothInside {
-                bundles: bundles.into(),
+                bundles: keep.then(|| bundles.into()),
                 samples,
                 gradients,
                 met,
@@ -391,6 +412,19 @@ impl Run<'_> {
                 gradients,
             })
         })
+    }
+
+    /// Whether there is memory for the rays of a pass that another may add to.
+    fn keeps_rays(
+        &self,
+        gather: &Gather,
+        meshes: &[ReceiverMesh],
+        list: &[(usize, usize)],
+    ) -> bool {
+        let last =
+            !self.settings.refine || self.start.plan.is_some() || self.start.before.is_some();
+        let rays = || list.iter().map(|&(o, t)| gather.rays_of(&meshes[o], o, t));
+        !last && rays().sum::<u64>() * BYTES_PER_RAY <= self.settings.max_memory / KEPT_RAYS
     }
 
     fn before_gather<'g>(

@@ -43,8 +43,8 @@ pub(crate) struct Control {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Found {
     /// Mean square, and its standard error.
-    square: f64,
-    uncertain: f64,
+    pub(crate) square: f64,
+    pub(crate) uncertain: f64,
 }
 
 impl Found {
@@ -54,7 +54,7 @@ impl Found {
     }
 
     /// RMSE at least, give or take one standard error.
-    pub(crate) fn sure(&self) -> f64 {
+    fn sure(&self) -> f64 {
         (self.square - self.uncertain).max(0.0).sqrt()
     }
 }

@@ -38,6 +38,15 @@ pub(crate) struct Refinement {
 }
 
 impl Refinement {
+    /// Whether the coarse meshes are the very same.
+    pub(crate) fn same_coarse(&self, other: &Self) -> bool {
+        let same = |(a, b): (&Option<Arc<Refined>>, &Option<Arc<Refined>>)| match (a, b) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        self.coarse.len() == other.coarse.len() && self.coarse.iter().zip(&other.coarse).all(same)
+    }
+
     /// What of it fits the meshes of another scene, `before` telling which object was which: an object
     /// that only moved keeps its own.
     pub(crate) fn kept(
