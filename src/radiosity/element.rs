@@ -77,9 +77,6 @@ pub(crate) struct ElementPoint {
 /// A surface whose front gets less than this share of the light of its back is seen from behind.
 pub(crate) const SEEN_FROM_BEHIND: f64 = 0.02;
 
-/// Elements that send more than this many times the mean are sampled in the gather.
-const BRIGHT: f32 = 6.0;
-
 impl Elements {
     /// Cuts and merges the live triangles into the elements that `layout` asks for.
     pub(crate) fn new(
@@ -171,7 +168,7 @@ impl Elements {
     }
 
     /// Areas of all elements.
-    pub(crate) fn iter_area(&self) -> impl Iterator<Item = f64> + '_ {
+    pub(crate) fn iter_area(&self) -> impl Iterator<Item = f64> + Clone {
         self.area.iter().map(|&a| f64::from(a))
     }
 
@@ -183,11 +180,6 @@ impl Elements {
             .map(|(v, a)| v.as_dvec3() * a)
             .sum();
         sum / self.iter_area().sum::<f64>().max(f64::MIN_POSITIVE)
-    }
-
-    /// How bright an element has to be to be sampled in the gather, sum over channels.
-    pub(crate) fn bright(&self, light: &[Vec3A]) -> f32 {
-        BRIGHT * self.mean(light).element_sum() as f32
     }
 
     /// Area-weighted mean of light, and mean over channels.

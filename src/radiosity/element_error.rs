@@ -3,6 +3,7 @@ use glam::{Vec3, Vec3A};
 use super::color::luminance;
 use super::element::Elements;
 use super::form_factor::{Traced, View};
+use super::glare::glaring;
 use super::level::Level;
 use super::observer::{Observer, Stage};
 use super::occlusion::Hit;
@@ -74,13 +75,13 @@ impl<'a> Sent<'a> {
 /// the elements' own rays found: so what chance makes of so few rays drops out of the mean.
 pub(crate) fn apart(
     view: &View,
-    (seen, arriving): (&[Vec3A], &[Vec3]),
+    arriving: &[Vec3],
     (fine, coarse): (&Sent, &Sent),
     observer: &dyn Observer,
 ) -> Result<(f64, u64), Cancelled> {
     let count = view.elements.len();
     let whole = |[a, b]: [Vec3A; 2]| 0.5 * (a + b);
-    let bright = fine.elements.bright(seen);
+    let bright = glaring(fine.elements, arriving);
     let receivers = RECEIVERS.min(count);
     let parts = map_ranges(receivers, CHUNK, Stage::Error, observer, |range| {
         let mut found = Vec::with_capacity(range.len());
@@ -93,8 +94,8 @@ pub(crate) fn apart(
                     continue;
                 };
                 let (fine, coarse) = (fine.at(&hit), coarse.at(&hit));
-                // What is far brighter is not left to chance in the gather, and would be all of the mean.
-                if whole(fine).max(whole(coarse)).element_sum() <= bright {
+                // What glares is not left to chance in the gather, and would be all of the mean.
+                if luminance(whole(fine).max(whole(coarse)).into()) <= bright {
                     let half = ray as usize % 2;
                     halves[half] += fine[half] - coarse[half];
                 }

@@ -1,10 +1,11 @@
 use std::sync::Arc;
 
-use glam::Vec3A;
+use glam::{Vec3, Vec3A};
 
 use super::color::luminance;
 use super::element::{ElementId, Elements};
 use super::form_factor::Traced;
+use super::importance::Importance;
 use super::layout::{Cut, Layout, USUAL};
 use super::settings::BakeSettings;
 use super::surroundings::Surroundings;
@@ -27,6 +28,8 @@ pub(crate) struct FirstLook {
     pub(crate) elements: Arc<Elements>,
     /// What leaves each and form factors find.
     pub(crate) seen: Vec<Vec3A>,
+    /// What arrives at each (irradiance / π).
+    pub(crate) arriving: Vec<Vec3>,
     /// The same by spot, as each half of their rays tells it.
     pub(crate) halves: [Vec<Vec3A>; 2],
 }
@@ -37,9 +40,9 @@ struct Need {
     /// An element on it, and how many there are: one, or one on each side.
     element: usize,
     sides: f64,
-    /// Area times the difference of what is sent, of both sides.
+    /// Area times the difference of what is sent, of both sides, as it matters.
     uneven: f64,
-    /// Area times the standard deviation that one ray leaves in what is sent.
+    /// Area times the standard deviation that one ray leaves in what is sent, as it matters.
     noisy: f64,
 }
 
@@ -58,7 +61,7 @@ impl FirstLook {
     /// ```
     ///
     /// (What is sent counts, as in the brightness-weighted refinement of Hanrahan, Salzman and
-    /// Aupperle 1991.)
+    /// Aupperle 1991, and by its [`Importance`].)
     pub(crate) fn layout(
         &self,
         scene: &ValidScene,
@@ -124,6 +127,7 @@ impl FirstLook {
             let area = f64::from(elements.area[e] / patch);
             surroundings.add(place, area, light, noise * noise);
         }
+        let importance = Importance::new(elements, traced, &self.arriving);
         let of_object = |o| {
             let mut needs: Vec<Need> = Vec::new();
             for e in elements.of_object(o) {
@@ -132,7 +136,7 @@ impl FirstLook {
                     needs.resize(p + 1, Need::default());
                 }
                 let around = surroundings.around(places[e]);
-                let area = f64::from(elements.area[e] / patch);
+                let area = f64::from(elements.area[e] / patch * importance.of(e));
                 let need = &mut needs[p];
                 need.element = e;
                 need.sides += 1.0;

@@ -32,6 +32,11 @@ impl Level {
         }
     }
 
+    /// What errors are held against where there is no light far above the mean: `E₀`.
+    pub(crate) fn least(&self) -> f64 {
+        self.mean
+    }
+
     /// The square of an error beside the level, where there is so much light; 0 in a dark scene.
     pub(crate) fn relative(&self, square: f64, light: f64) -> f64 {
         if self.mean > 0.0 {

@@ -49,6 +49,7 @@
 //! | `quality` | how sure each vertex is |
 //! | `gradient` | how light changes as the normal turns, for bumps |
 //! | `first_look`, `surroundings` | where elements and rays are needed, by a coarse solution |
+//! | `importance`, `glare` | how much it matters what elements send; which are too bright to be left to chance |
 //! | `element_error` | how far off elements of constant light are |
 //! | `sampling_error` | how far off chance leaves the light of elements |
 //! | `element_light` | the light of elements, to look at |
@@ -92,6 +93,7 @@ mod fit;
 mod form_factor;
 mod gather;
 mod gathered;
+mod glare;
 mod gradient;
 #[cfg(test)]
 mod gradient_study_test;
@@ -100,6 +102,7 @@ mod gradient_test;
 mod grouping;
 mod identity;
 mod illumination;
+mod importance;
 mod kind;
 mod layout;
 mod level;

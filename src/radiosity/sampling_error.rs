@@ -241,7 +241,7 @@ impl Judge<'_> {
             spots: first.halves.clone(),
         };
         let arriving = &self.solution.arriving;
-        let (apart, rays) = apart(self.view, (seen, arriving), (&fine, &coarse), observer)?;
+        let (apart, rays) = apart(self.view, arriving, (&fine, &coarse), observer)?;
         Ok(((OF_FINER * apart) as f32, rays))
     }
 

@@ -54,7 +54,7 @@ pub(crate) struct Plan {
     /// Emissive triangles to sample.
     pub(crate) emitters: Arc<EmitterTree>,
     /// Elements to sample for the light they reflect.
-    pub(crate) bright: Arc<EmitterTree>,
+    pub(crate) glaring: Arc<EmitterTree>,
     pub(crate) lit_from_behind: Vec<bool>,
     /// How objects are cut where they touch.
     pub(crate) cuts: Cuts,
@@ -131,6 +131,6 @@ impl Stages {
             + self.gathered.bytes()
             + self.plan.layout.bytes()
             + self.plan.emitters.bytes()
-            + self.plan.bright.bytes()
+            + self.plan.glaring.bytes()
     }
 }

@@ -104,8 +104,8 @@ impl<'a> Emitters<'a> {
         }
     }
 
-    /// For the samples inside the triangles of a bake, of elements that reflect much light.
-    pub(crate) fn bright_at_samples(tree: &'a EmitterTree, settings: &BakeSettings) -> Self {
+    /// For the samples inside the triangles of a bake, of elements that glare.
+    pub(crate) fn glaring_at_samples(tree: &'a EmitterTree, settings: &BakeSettings) -> Self {
         Self {
             tree,
             light: Light::Reflected,

@@ -17,6 +17,7 @@ use super::bounds::{Disturbed, Sphere};
 use super::element::{ElementId, Elements};
 use super::emitter::Receiver;
 use super::facet::Facet;
+use super::glare::Glare;
 use super::observer::Observer;
 use super::occlusion::Occluders;
 use super::parallel::Cancelled;
@@ -82,11 +83,11 @@ pub(crate) const WIDE: f32 = 0.1;
 /// leaf, where drawing one by what it may send costs the tree's depth.
 const FEW: usize = 16;
 
-/// The share of the light above that limit that known bright elements must send to be good enough.
+/// The share of the glare that known elements must have to be good enough.
 const COVERED: f64 = 0.8;
 
-/// As many of them at most, the brightest.
-const MOST_BRIGHT: usize = 4096;
+/// So many elements that glare at most, the worst.
+const MOST_GLARING: usize = 4096;
 
 impl EmitterTree {
     /// Builds the tree over the emitters that are worth sampling.
@@ -115,22 +116,24 @@ impl EmitterTree {
         Ok(Self::over(leaves, &powers, scene.triangles.len()))
     }
 
-    /// Builds the tree over elements that reflect far more light than others: the patch of sun on
-    /// the floor of a dark room, the ceiling above a lamp. Rays that find such an element by chance
-    /// would make bright specks.
-    pub(crate) fn bright(scene: &ValidScene, elements: &Elements, reflected: &[Vec3A]) -> Self {
-        let limit = elements.bright(reflected);
-        let mut bright: Vec<u32> = (0..elements.len() as u32)
-            .filter(|&e| reflected[e as usize].element_sum() > limit)
+    /// Builds the tree over elements that would make bright specks, were they left to rays.
+    pub(crate) fn glaring(
+        scene: &ValidScene,
+        elements: &Elements,
+        reflected: &[Vec3A],
+        glare: &Glare,
+    ) -> Self {
+        let excess = |e: &u32| glare.excess(ElementId(*e));
+        let mut glaring: Vec<u32> = (0..elements.len() as u32)
+            .filter(|e| excess(e) > 0.0)
             .collect();
-        if bright.len() > MOST_BRIGHT {
-            let light = |e: &u32| reflected[*e as usize].element_sum();
-            bright.sort_by(|a, b| light(b).total_cmp(&light(a)).then(a.cmp(b)));
-            bright.truncate(MOST_BRIGHT);
+        if glaring.len() > MOST_GLARING {
+            glaring.sort_by(|a, b| excess(b).total_cmp(&excess(a)).then(a.cmp(b)));
+            glaring.truncate(MOST_GLARING);
         }
         let mut leaves = Vec::new();
         let mut powers = Vec::new();
-        for e in bright {
+        for e in glaring {
             for (triangle, corners, normal) in elements.shape(scene, ElementId(e)) {
                 let radiance = reflected[e as usize].element_sum();
                 powers.push(area(corners) * radiance);
@@ -193,16 +196,13 @@ impl EmitterTree {
         }
     }
 
-    /// Whether the elements of a tree made by [`Self::bright`] still send most of the light that
-    /// makes elements bright.
-    pub(crate) fn covers(&self, elements: &Elements, reflected: &[Vec3A]) -> bool {
-        let limit = elements.bright(reflected);
+    /// Whether the elements of a tree made by [`Self::glaring`] still have most of the glare.
+    pub(crate) fn covers(&self, elements: &Elements, glare: &Glare) -> bool {
         let (mut all, mut covered) = (0.0_f64, 0.0_f64);
-        for (e, light) in reflected.iter().enumerate() {
-            let excess = (light.element_sum() - limit).max(0.0);
-            let power = f64::from(excess * elements.area[e]);
-            all += power;
-            covered += f64::from(u8::from(self.first_leaf[e].is_some())) * power;
+        for (e, area) in elements.iter_area().enumerate() {
+            let excess = f64::from(glare.excess(ElementId(e as u32))) * area;
+            all += excess;
+            covered += f64::from(u8::from(self.first_leaf[e].is_some())) * excess;
         }
         covered >= COVERED * all
     }

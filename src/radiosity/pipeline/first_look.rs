@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use glam::Vec3A;
+use glam::{Vec3, Vec3A};
 
 use super::Run;
 use crate::radiosity::bake::BakeError;
@@ -64,11 +64,12 @@ impl Run<'_> {
                 settings: &settings,
                 remember: false,
             };
-            let (seen, traced) = run.look(&view)?;
+            let (seen, arriving, traced) = run.look(&view)?;
             let first = FirstLook {
                 elements: patches.clone(),
                 halves: Sent::new(&view, &traced, &seen).spots,
                 seen,
+                arriving,
             };
             let layout = first.layout(run.scene, &traced, &layout, run.settings);
             let elements = run.elements(surfaces, &layout);
@@ -76,8 +77,8 @@ impl Run<'_> {
         })
     }
 
-    /// What leaves the patches and form factors find, and the form factors.
-    fn look(&mut self, view: &View) -> Result<(Vec<Vec3A>, Traced), BakeError> {
+    /// What leaves the patches and form factors find, what arrives at them, and the form factors.
+    fn look(&mut self, view: &View) -> Result<(Vec<Vec3A>, Vec<Vec3>, Traced), BakeError> {
         let quiet = Quiet(self.observer);
         let (traced, element_rays) = form_factors(view, None, &quiet)?;
         let (direct, rays) = Sampler::new(view).run(None, &quiet)?;
@@ -99,6 +100,6 @@ impl Run<'_> {
         let loose = loose_emission(elements, view.marks);
         let reflected = solution.reflected.iter();
         let seen = reflected.zip(loose).map(|(&r, e)| r + e).collect();
-        Ok((seen, traced))
+        Ok((seen, solution.arriving, traced))
     }
 }

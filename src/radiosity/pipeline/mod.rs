@@ -168,16 +168,16 @@ impl<'a> Run<'a> {
         let surfaces = Surfaces::new(self.scene, &solved.pyramids);
         let elements = &*solved.elements;
         let lit_from_behind = self.lit_from_behind(elements, &solved.solution);
-        let bright = self.bright(elements, &solved.solution);
+        let glaring = self.glaring(&solved);
         let mut gather = Gather {
             scene: self.scene,
             occluders: Occluders::new(&solved.hierarchy, &surfaces),
             elements,
             emitters: Emitters::at_samples(&solved.emitters, self.settings),
-            reflectors: Emitters::bright_at_samples(&bright, self.settings),
+            reflectors: Emitters::glaring_at_samples(&glaring, self.settings),
             marks: [
                 &Emitters::at_samples(&solved.emitters, self.settings).marks(elements),
-                &Emitters::bright_at_samples(&bright, self.settings).marks(elements),
+                &Emitters::glaring_at_samples(&glaring, self.settings).marks(elements),
             ],
             lit_from_behind: &lit_from_behind,
             settings: self.settings,
@@ -206,7 +206,7 @@ impl<'a> Run<'a> {
                 layout: solved.layout,
                 density: pass.density,
                 emitters: solved.emitters,
-                bright,
+                glaring,
                 lit_from_behind,
                 cuts,
                 refinement: pass.refinement,

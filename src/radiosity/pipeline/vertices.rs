@@ -14,6 +14,7 @@ use crate::radiosity::gather::{
 use crate::radiosity::gathered::{
     Bundle, ByTriangle, Gathered, SharpLight, Shining, TriangleSamples,
 };
+use crate::radiosity::glare::Glare;
 use crate::radiosity::kind::ByKind;
 use crate::radiosity::level::Level;
 use crate::radiosity::observer::Stage;
@@ -176,13 +177,14 @@ impl Run<'_> {
             .collect()
     }
 
-    /// The elements that reflect much light: those known, as long as they are most of them.
-    pub(super) fn bright(&self, elements: &Elements, solution: &Solution) -> Arc<EmitterTree> {
+    /// The elements that glare: those known, as long as they are most of them.
+    pub(super) fn glaring(&self, solved: &Solved) -> Arc<EmitterTree> {
+        let (elements, solution) = (&*solved.elements, &solved.solution);
         if let Some(plan) = self.start.plan {
-            return plan.bright.clone();
+            return plan.glaring.clone();
         }
         let kept = self.before().and_then(|(old, change)| {
-            let tree = &old.plan.bright;
+            let tree = &old.plan.glaring;
             let stays = |l: &Leaf| change.elements_now()[l.source as usize] != GONE;
             if change.same_elements && change.same_triangles {
                 return Some(tree.clone());
@@ -192,9 +194,10 @@ impl Run<'_> {
                 Arc::new(tree.renumbered(now.0, now.1, elements.len()))
             })
         });
-        kept.filter(|tree| tree.covers(elements, &solution.reflected))
+        let glare = Glare::new(elements, &solved.traced, solution);
+        kept.filter(|tree| tree.covers(elements, &glare))
             .unwrap_or_else(|| {
-                EmitterTree::bright(self.scene, elements, &solution.reflected).into()
+                EmitterTree::glaring(self.scene, elements, &solution.reflected, &glare).into()
             })
     }
 
@@ -439,7 +442,7 @@ impl Run<'_> {
             object_before: objects,
             new_emitters: change.new_emitters,
             new_reflectors: !(gather.reflectors.tree)
-                .same_leaves_as(&old.plan.bright, change.elements_now()),
+                .same_leaves_as(&old.plan.glaring, change.elements_now()),
         })
     }
 
