@@ -30,13 +30,28 @@
 //!
 //! It is done twice: for the smooth light that rays gather, which few vertices can carry, and inside
 //! that mesh for light with sharp edges, whose shadow rays are cheap.
+//!
+//! | file | |
+//! |---|---|
+//! | `drive` | the two refinements of a scene, one inside the other |
+//! | `work` | one of them: meshes, what is known of their faces, rounds |
+//! | `judging`, `face`, `scouts` | what linear light on each face leaves out |
+//! | `probe` | light asked for at points |
+//! | `cutting`, `step` | the worst faces bisected, or cut along a step of light |
+//! | `refinement` | what comes of it |
+//! | `control` | how far off the light is that was put on it |
 
 mod control;
+mod cutting;
 mod drive;
 mod face;
+mod judging;
 mod probe;
+mod refinement;
 mod scouts;
 mod step;
+mod work;
 
 pub(crate) use control::{Control, Found};
-pub(crate) use drive::{Asked, Refinement, Refiner};
+pub(crate) use drive::{Asked, Refiner};
+pub(crate) use refinement::Refinement;
