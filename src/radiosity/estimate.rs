@@ -199,8 +199,8 @@ pub(crate) fn vertices_within(scene: &ValidScene, settings: &BakeSettings, given
     const PER_VERTEX: u64 = 1600;
     const GRADIENT: u64 = 800;
     let fixed = estimate_counts(scene, settings).bytes;
-    let kept = 2 * settings.max_memory / KEPT_RAYS;
-    let spare = settings.max_memory.saturating_sub(fixed + kept);
+    let kept = settings.max_memory / KEPT_RAYS * 2;
+    let spare = (settings.max_memory - kept).saturating_sub(fixed);
     let per_vertex = PER_VERTEX + if settings.directional { GRADIENT } else { 0 };
     (given + spare / per_vertex).min(u32::MAX.into()) as usize
 }
