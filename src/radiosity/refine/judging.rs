@@ -20,8 +20,9 @@ const BY_CHANCE: f64 = 0.5;
 const CHUNK: usize = 16;
 
 /// Points in a face of this area, in squared internal units (a thousandth of the scene's
-/// cross-section), and as many as their square root tells in larger ones.
-const POINTS: f32 = 8.0;
+/// cross-section), and as many as their square root tells in larger ones. Linear light has three unknowns: six points
+/// find errors as well as eight, and with four hardly anything is left over to tell of one.
+const POINTS: f32 = 6.0;
 const AREA_OF_POINTS: f32 = HALF_EXTENT * HALF_EXTENT / 256.0;
 const MOST_POINTS: u32 = 48;
 
