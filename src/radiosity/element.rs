@@ -4,8 +4,10 @@ use glam::{DVec3, Vec3, Vec3A};
 
 use super::bounds::{Bounds, Sphere};
 use super::cells::{CellCut, Cells, Part};
+use super::color::luminance;
 use super::element_builder::Builder;
 use super::layout::Layout;
+use super::level::Level;
 use super::occlusion::Hit;
 use super::sampling::{hash, triangle as triangle_point};
 use super::spot::Spot;
@@ -180,6 +182,12 @@ impl Elements {
             .map(|(v, a)| v.as_dvec3() * a)
             .sum();
         sum / self.iter_area().sum::<f64>().max(f64::MIN_POSITIVE)
+    }
+
+    /// How bright it is, by what arrives at each.
+    pub(crate) fn level(&self, arriving: &[Vec3]) -> Level {
+        let light = arriving.iter().map(|&light| f64::from(luminance(light)));
+        Level::of(self.iter_area().zip(light))
     }
 
     /// Area-weighted mean of light, and mean over channels.

@@ -3,7 +3,7 @@ use glam::{Vec3, Vec3A};
 use super::color::luminance;
 use super::element::Elements;
 use super::form_factor::{Traced, View};
-use super::glare::glaring;
+use super::glare::GLARING;
 use super::level::Level;
 use super::observer::{Observer, Stage};
 use super::occlusion::Hit;
@@ -81,7 +81,7 @@ pub(crate) fn apart(
 ) -> Result<(f64, u64), Cancelled> {
     let count = view.elements.len();
     let whole = |[a, b]: [Vec3A; 2]| 0.5 * (a + b);
-    let bright = glaring(fine.elements, arriving);
+    let glaring = GLARING * fine.elements.level(arriving).least() as f32;
     let receivers = RECEIVERS.min(count);
     let parts = map_ranges(receivers, CHUNK, Stage::Error, observer, |range| {
         let mut found = Vec::with_capacity(range.len());
@@ -95,7 +95,7 @@ pub(crate) fn apart(
                 };
                 let (fine, coarse) = (fine.at(&hit), coarse.at(&hit));
                 // What glares is not left to chance in the gather, and would be all of the mean.
-                if luminance(whole(fine).max(whole(coarse)).into()) <= bright {
+                if luminance(whole(fine).max(whole(coarse)).into()) <= glaring {
                     let half = ray as usize % 2;
                     halves[half] += fine[half] - coarse[half];
                 }

@@ -1,15 +1,14 @@
-use glam::{Vec3, Vec3A};
+use glam::Vec3A;
 
 use super::color::luminance;
 use super::element::{ElementId, Elements};
 use super::form_factor::Traced;
 use super::importance::Importance;
-use super::level::Level;
 use super::solve::Solution;
 
 /// What sends more than so many times the light where it arrives glares. With less, shadow rays go to elements that
 /// rays find well enough; with more, a lamp's surroundings make specks (1.5 to 12 tried on the Cornell box).
-const GLARING: f32 = 2.0;
+pub(crate) const GLARING: f32 = 2.0;
 
 /// Elements that reflect so much light that rays which come upon them by chance would make bright specks: the patch
 /// of sun on the floor of a dark room, the ceiling around a lamp. Their light is sampled in the gather.
@@ -43,10 +42,4 @@ impl Glare {
     pub(crate) fn excess(&self, element: ElementId) -> f32 {
         self.excess[element.0 as usize]
     }
-}
-
-/// The luminance above which an element would glare that shines where light is at the level.
-pub(crate) fn glaring(elements: &Elements, arriving: &[Vec3]) -> f32 {
-    let light = arriving.iter().map(|&light| f64::from(luminance(light)));
-    GLARING * Level::of(elements.iter_area().zip(light)).least() as f32
 }

@@ -3,14 +3,13 @@ use glam::{Vec3, Vec3A};
 use super::color::luminance;
 use super::element::Elements;
 use super::form_factor::Traced;
-use super::level::Level;
 
 /// How much it matters what elements send (importance: Smits, Arvo and Salesin 1992, "An Importance-Driven
 /// Radiosity Algorithm"; here all receivers ask, each beside its own light).
 ///
 /// A ray from receiver `j` meets element `e`, of area `A_e`, with the chance `F_je`. Where the element sends `δ` too
 /// much, or is met by chance, that leaves `F_je δ²` in the mean square error of a ray's light, beside the square of
-/// `E_j`, the light there, or of `E₀`, the [`Level`] of the scene, if that is more. Over all receivers, `A_j F_je`
+/// `E_j`, the light there, or of `E₀`, the [`Level`](super::level::Level) of the scene, if that is more. Over all receivers, `A_j F_je`
 /// being `A_e F_ej`:
 ///
 /// ```text
@@ -32,14 +31,16 @@ pub(crate) struct Importance<'a> {
 
 impl<'a> Importance<'a> {
     pub(crate) fn new(elements: &Elements, traced: &'a Traced, arriving: &[Vec3]) -> Self {
-        let light = arriving.iter().map(|&light| f64::from(luminance(light)));
-        let level = Level::of(elements.iter_area().zip(light.clone()));
-        let least = level.least().max(f64::MIN_POSITIVE);
-        let square = |light: f64| Vec3A::splat((least / light.max(least)).powi(2) as f32);
+        let level = elements.level(arriving).least();
+        let least = level.max(f64::MIN_POSITIVE);
+        let square = |&light: &Vec3| {
+            let light = f64::from(luminance(light));
+            Vec3A::splat((least / light.max(least)).powi(2) as f32)
+        };
         Self {
             traced,
-            squares: light.map(square).collect(),
-            level: level.least() as f32,
+            squares: arriving.iter().map(square).collect(),
+            level: level as f32,
         }
     }
 

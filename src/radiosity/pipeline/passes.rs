@@ -359,20 +359,18 @@ impl Parts {
     /// The least that has to be done for an error of `error`: parts that are more than their share of
     /// the aim are cut down to the same multiple of it.
     fn cut_down_to(&self, error: f64, aim: f64) -> Self {
-        let least = |level: f64| move |part: f64, share: f64| part.min(level * share * aim);
         Self::highest(error, |level| Self {
-            mesh: self.mesh.with(MESH, least(level)),
-            noise: self.noise.with(SAMPLES, least(level)),
+            mesh: self.mesh.with(MESH, least(level, aim)),
+            noise: self.noise.with(SAMPLES, least(level, aim)),
         })
     }
 
     /// How many times the samples leave an error of `error` on the same meshes; `None` if that takes too
     /// many.
     fn by_samples_alone(&self, error: f64, aim: f64) -> Option<ByKind<f64>> {
-        let least = |level: f64| move |part: f64, share: f64| part.min(level * share * aim);
         let may = Self::highest(error, |level| Self {
             mesh: self.mesh,
-            noise: self.noise.with(SAMPLES, least(level)),
+            noise: self.noise.with(SAMPLES, least(level, aim)),
         });
         let times = self.samples(&may);
         let left = self
@@ -415,6 +413,11 @@ impl Parts {
         }
         cut(low)
     }
+}
+
+/// Cuts a part down to this multiple of its share of the aim, if it is more.
+fn least(level: f64, aim: f64) -> impl Fn(f64, f64) -> f64 {
+    move |part, share| part.min(level * share * aim)
 }
 
 impl Pass {

@@ -41,7 +41,7 @@ pub(super) struct Work<'a> {
     /// Faces that are to be judged.
     pub(super) stale: BTreeSet<u32>,
     /// Vertices of meshes that are not refined.
-    pub(super) others: usize,
+    others: usize,
     /// Of each face: its part of the mean square error times the whole area, relative to the level; below 0
     /// by chance.
     pub(super) errors: Vec<f64>,
